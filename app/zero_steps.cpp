@@ -116,8 +116,8 @@ std::string zero_steps_csv(const std::vector<ZeroSteps>& all) {
       "chance\n";
   for (const ZeroSteps& of : all)
     for (const auto& [figure, fit] : of.figures)
-      csv += fmt::format("{},{},{},{:.9g},{:.3g},{:.6g},{:.3g},{:.4g},{},{:.3g}\n", label_cell(figure.words),
-                         label_cell(figure.unit), label_cell(curve_of(of)), fit.value.value, fit.value.error,
+      csv += fmt::format("{},{},{},{:.9g},{:.3g},{:.6g},{:.3g},{:.4g},{},{:.3g}\n", csv_cell(figure.words),
+                         csv_cell(figure.unit), csv_cell(curve_of(of)), fit.value.value, fit.value.error,
                          fit.slope.value, fit.slope.error, fit.chi_square, fit.free, fit.chance);
   return csv;
 }

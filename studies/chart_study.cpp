@@ -25,7 +25,7 @@ Quartiles cost(const std::string& point, int repeats, int bonds, const Ledger& l
 }
 
 std::string columns(const Setting& s) {
-  return fmt::format("{},{},{},{}", label_cell(s.curve()), label_cell(s.method), s.parameter, s.value);
+  return fmt::format("{},{},{},{}", csv_cell(s.curve()), csv_cell(s.method), s.parameter, s.value);
 }
 
 std::string work_name(const Setting& s) {
@@ -268,8 +268,8 @@ std::string order_csv(const ChartPlan& plan, const Ledger& ledger) {
       const Trial& t = ledger.at(order_name(method, divisor));
       const double dt = plan.scene.run.dt_fs / divisor;
       text += t.failed()
-                  ? fmt::format("{},{:.6g},,,,,{}\n", label_cell(method), dt, csv_cell(t.failure))
-                  : fmt::format("{},{:.6g},{:.6e},{:.6e},{:.6e},{:.3f},\n", label_cell(method), dt, t.figure,
+                  ? fmt::format("{},{:.6g},,,,,{}\n", csv_cell(method), dt, csv_cell(t.failure))
+                  : fmt::format("{},{:.6g},{:.6e},{:.6e},{:.6e},{:.3f},\n", csv_cell(method), dt, t.figure,
                                 t.rms_error.value, t.max_error, order_of(plan, ledger, method));
     }
   return text;
@@ -284,11 +284,10 @@ std::string length_csv(const ChartPlan& plan, const Ledger& ledger) {
       const std::string name = length_name(method, bonds);
       const Trial& first = ledger.at(repeat_name(name, 0));
       const Quartiles ns = cost(name, plan.repeats, bonds * copies(plan, bonds), ledger);
-      text += first.failed()
-                  ? fmt::format("{},{},{},,,,,{}\n", label_cell(method), bonds, copies(plan, bonds),
-                                csv_cell(first.failure))
-                  : fmt::format("{},{},{},{:.4g},{:.4g},{:.4g},{:.3e},\n", label_cell(method), bonds,
-                                copies(plan, bonds), ns.low, ns.median, ns.high, first.max_error);
+      text += first.failed() ? fmt::format("{},{},{},,,,,{}\n", csv_cell(method), bonds, copies(plan, bonds),
+                                           csv_cell(first.failure))
+                             : fmt::format("{},{},{},{:.4g},{:.4g},{:.4g},{:.3e},\n", csv_cell(method), bonds,
+                                           copies(plan, bonds), ns.low, ns.median, ns.high, first.max_error);
     }
   return text;
 }

@@ -123,10 +123,10 @@ std::string samples_csv(const Crosscheck& c) {
       "rms_rel_bond_error,rms_rel_error_settle,rms_rel_error_ccma\n";
   for (const Track* track : all_tracks(c))
     for (const Sample& s : track->samples)
-      text += fmt::format("{},{},{:.9g},{},{},{:.12g},{:.8g},{:.6e},{:.6e},{:.6e},{:.6e}\n",
-                          label_cell(track->name), s.step, s.t, cell_if_known(s.apart),
-                          cell_if_known(s.from_truth), s.energy, s.temperature, s.bond_max, s.bond_rms,
-                          s.settle_rms, s.ccma_rms);
+      text +=
+          fmt::format("{},{},{:.9g},{},{},{:.12g},{:.8g},{:.6e},{:.6e},{:.6e},{:.6e}\n",
+                      csv_cell(track->name), s.step, s.t, cell_if_known(s.apart), cell_if_known(s.from_truth),
+                      s.energy, s.temperature, s.bond_max, s.bond_rms, s.settle_rms, s.ccma_rms);
   return text;
 }
 
@@ -136,7 +136,7 @@ std::string distances_csv(const Crosscheck& c) {
   for (const Track* track : all_tracks(c)) {
     if (track == &c.verlet || track == &c.nudged || track == &c.fine) continue;
     for (std::size_t n = 0; n < track->oxygens.r.size(); ++n)
-      text += fmt::format("{},{:.4f},{:.6f},{:.6f}\n", label_cell(track->name), track->oxygens.r[n],
+      text += fmt::format("{},{:.4f},{:.6f},{:.6f}\n", csv_cell(track->name), track->oxygens.r[n],
                           track->oxygens.g[n].value, track->oxygens.g[n].error);
   }
   return text;

@@ -71,13 +71,13 @@ std::string precision_csv(const ChartPlan& plan, const Ledger& ledger) {
       const Trial& t = ledger.at(point_name("precision", method, precision));
       const Quartiles us =
           over_repeats(point_name("step", method, precision), plan.repeats, ledger, &Trial::step_us);
-      text += t.failed()
-                  ? fmt::format("{},{},,,,,,,,,,{}\n", label_cell(method), name_of(precision),
-                                csv_cell(t.failure))
-                  : fmt::format("{},{},{:.5g},{:.5g},{:.5g},{:.6e},{:.6e},{:.6e},{:.6e},{:.6e},{:.6e},\n",
-                                label_cell(method), name_of(precision), us.low, us.median, us.high, t.drift,
-                                t.drift_low(), t.drift_high(), t.constraint_drift.value, t.rms_error.value,
-                                t.max_error);
+      text +=
+          t.failed()
+              ? fmt::format("{},{},,,,,,,,,,{}\n", csv_cell(method), name_of(precision), csv_cell(t.failure))
+              : fmt::format("{},{},{:.5g},{:.5g},{:.5g},{:.6e},{:.6e},{:.6e},{:.6e},{:.6e},{:.6e},\n",
+                            csv_cell(method), name_of(precision), us.low, us.median, us.high, t.drift,
+                            t.drift_low(), t.drift_high(), t.constraint_drift.value, t.rms_error.value,
+                            t.max_error);
     }
   return text;
 }

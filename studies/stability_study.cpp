@@ -194,7 +194,7 @@ std::string steps_csv(const StabilityPlan& plan, const Ledger& ledger) {
       const auto& [t, kept] = largest_steps(ledger, row, plan.methods[column]);
       text +=
           fmt::format("{},{},{},{},{:g},{:.4g},{:.4g},{},{},{},{:.4g},{:.3e},{:.3e}\n", csv_cell(scene.name),
-                      label_cell(plan.methods[column]), row, column, scene.run.dt_fs, t.figure,
+                      csv_cell(plan.methods[column]), row, column, scene.run.dt_fs, t.figure,
                       best > 0 ? t.figure / best : 0.0, plan.step_steps, csv_cell(short_reason(t.failure)),
                       csv_cell(t.failure), kept.figure, kept.drift, kept.drift_error);
     }
