@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the README's pictures again, with all tables and scripts in FOLDER: benchmarks/charts.sh [FOLDER] [--quick]
+# Makes the README's first picture again, with all tables and pictures in FOLDER: benchmarks/charts.sh [FOLDER] [--quick]
 # One thread: figures are per core. TAUT names the command, if it is not build/taut.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -11,6 +11,4 @@ export OMP_NUM_THREADS=1
 "${TAUT:-build/taut}" chart freely_jointed "${long[@]}" --out "$out/chart" --overwrite "$@"
 "${TAUT:-build/taut}" chart water "${long[@]}" --out "$out/water" --overwrite "$@"
 "${TAUT:-build/taut}" stability freely_jointed --hard --out "$out/stability" --overwrite "$@"
-if ((${#long[@]})); then  # the two that the README shows
-  for name in chart water; do cp "$out/$name/work.png" "benchmarks/results/charts/$name/"; done
-fi
+if ((${#long[@]})); then cp "$out/chart/work.png" benchmarks/results/charts/chart/; fi  # which the README shows
