@@ -141,8 +141,7 @@ void show(const ChartPlan& plan, Study& study) {
   if (has_precisions(plan.scene))
     study.show(
         {"precision",
-         fmt::format("{}a whole step {}, pair forces in double (full bars) and mixed precision (dotted)", of,
-                     at),
+         fmt::format("{}a whole step {}, double (full marks) and mixed precision (empty)", of, at),
          precision_csv(plan, ledger)},
         "What mixed precision costs and gains",
         "A whole step, every method at its defaults; pair geometry and force in single precision, sums in "
