@@ -177,17 +177,15 @@ def precision(tables: Mapping[str, Table], width_mm: int, title: str) -> Any:
     drifts, time = _drifts(table), numbers(table, "step_us")
     low, high = numbers(table, "step_us_q1"), numbers(table, "step_us_q3")
     there = np.isfinite(drifts[0]) & np.isfinite(time) & (drifts[0] > 0)
-    names, mixed = texts(table, "method"), texts(table, "precision") == "mixed"
-    if not there.any():
-        raise NothingToDraw
-    groups = groups_of(each(names[there]), {name: name for name in names})
+    mixed = texts(table, "precision") == "mixed"
+    names, groups, looks = _curves(table, there, "method")
     page = Page(len(groups), width_mm, columns=2, height_mm=70, title=title, sharex=True, sharey=True)
     for axis, group in zip(page.axes, groups):
         limit(axis, "x", drifts[0][there], log=True)
         axis.set_xlim(drifts[0][there].min() / 4, drifts[0][there].max() * 3)
         for name in group:
             both = there & (names == name)
-            curve = look(name)
+            curve = looks[name]
             axis.plot(drifts[0][both], time[both], lw=0.5, color=curve["color"])
             for of, fill in ((both & ~mixed, "full"), (both & mixed, "none")):
                 axis.errorbar(drifts[0][of], time[of], _bars(time[of], low[of], high[of]), elinewidth=0.6,

@@ -108,7 +108,7 @@ def _place(axis: Any, labels: Sequence[Tuple[Any, Any, str, str]]) -> None:
         wide, high = extent.width, 0.8 * extent.height
         best: Optional[Tuple[float, Any]] = None
         for inner, point in enumerate(points):
-            for across, up, gap in [(0, -0.5, 4), (-1, -0.5, 4)] + [(a, u, g) for g in (4, 9, 15) for a in (0, -0.5, -1) for u in (0, -1)]:
+            for across, up, gap in [(0, -0.5, 4), (-1, -0.5, 4)] + [(a, u, g) for g in (4, 9, 15, 25, 35, 50) for a in (0, -0.5, -1) for u in (0, -1)]:
                 corner = point + scale * gap * np.array([2 * across + 1, 2 * up + 1]) + [across * wide, up * high]
                 cost = _cost(corner, wide, high, frame, hidden, boxes) + gap / 2 + (0 if inner in (0, len(points) - 1) else 3)
                 if best is None or cost < best[0]:
