@@ -20,7 +20,6 @@ from pathlib import Path
 from typing import Any, Dict, Iterable, Iterator, List, Mapping, Optional, Union
 
 import numpy as np
-import numpy.typing as npt
 
 from . import _core, inputs, parts, pictures
 from .errors import InputError, SimulationFailure
@@ -118,7 +117,7 @@ def _drawn(tables: Dict[str, Any], draw: Draw, title: str = "") -> Dict[str, Any
         try:
             figures[name] = pictures.draw(name, tables, draw, title)
         except Exception as error:
-            warnings.warn(f"no picture of {name}: {error or 'nothing to draw'}", stacklevel=3)
+            warnings.warn(f"no picture of {name}: {str(error) or 'nothing to draw'}", stacklevel=3)
     return tables
 
 
