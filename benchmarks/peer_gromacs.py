@@ -136,11 +136,3 @@ def wall_seconds(log):
 def us_per_step(program, m, threads, seconds):
     log, steps = timed_run(program, m, threads, seconds)
     return wall_seconds(log) / steps * 1e6
-
-
-def ms_of_parts(program, m, threads, seconds):
-    """Returns {row of GROMACS's accounting: ms a step}, "Total" among them."""
-    log, steps = timed_run(program, m, threads, seconds)
-    table = log[log.index("C Y C L E"):log.index("Breakdown") if "Breakdown" in log else len(log)]
-    rows = re.findall(r"^ (\S.*?)\s{2,}(?:\d+\s+\d+\s+\d+\s+)?([\d.]+)\s+[\d.]+\s+[\d.]+$", table, re.M)
-    return {name: float(wall) / steps * 1000 for name, wall in rows}

@@ -8,10 +8,8 @@ from taut.pictures.style import groups_of, limit, looks_of
 from cases import HERE, SYSTEMS
 from judge import LARGEST_DRIFT_KT, cost_at, kt, mean_and_error, of, whole
 
-COLOURS = {"penalty": "#999999", "baumgarte": "#d62728", "baumgarte centred": "#ff9896",
-           "baumgarte implicit": "#e377c2", "feedforward": "#1f77b4", "shake 1e-4": "#bcbd22",
-           "newton": "#000000", "lincs": "#2ca02c", "lincs strict": "#98df8a", "settle": "#9467bd",
-           "settle and lincs": "#17becf"}
+DRAWN = ("penalty", "baumgarte", "baumgarte centred", "baumgarte implicit", "feedforward", "shake 1e-4", "newton", "lincs",
+         "lincs strict", "settle", "settle and lincs")
 
 
 def points_of(judge, times, system, method):
@@ -33,7 +31,7 @@ def draw(judge, times):
 def draw_system(judge, times, system):
     """Panels of six methods at most, over the step and over the cost; every panel has the others grey behind."""
     points = {method: np.array([[s, c or np.nan, d] for s, c, d in points_of(judge, times, system, method)], float)
-              for method in COLOURS}
+              for method in DRAWN}
     points = {method: rows for method, rows in points.items() if len(rows)}
     groups = groups_of(list(points), {method: method.split()[0] for method in points})
     columns = [(0, "step [fs]")] + [(1, "processor seconds a nanosecond, one thread")] * any(name == system for name, _ in times)

@@ -76,7 +76,7 @@ class Study:
             words, keys = self.command(name)
             words[1] = "calibrate"
             option, value = asked.split(":")
-            found = subprocess.run([*words, f"--{option}", value, "--json", "-", "--dt-fs", str(SYSTEMS[name].dt_fs),
+            found = subprocess.run([*words, f"--{option}", value, "--steps", "0", "--json", "-", "--dt-fs", str(SYSTEMS[name].dt_fs),
                                     "--set", *keys, "run.thermostat=none"], capture_output=True, text=True)
             figures = json.loads(found.stdout) if found.stdout.startswith("{") else {}
             self.reductions[name, asked] = figures.get("method", {}).get("reduction")
