@@ -10,26 +10,16 @@
 #include "constraints/projection.hpp"
 #include "ensembles/pressure.hpp"
 #include "md/units.hpp"
+#include "run_of_scene.hpp"
 #include "simulation/doubts.hpp"
-#include "simulation/simulation.hpp"
 #include "simulation/unresolved_motion.hpp"
-#include "systems/scene/scene_file.hpp"
 
 namespace taut::run_figures_tests {
 namespace {
 
-using Overrides = std::vector<std::string>;
-
-Scene scene_of(const std::string& name, const Overrides& overrides) {
-  return read_scene(find_scene(name), overrides);
-}
-
-std::vector<Record> rows_of(const std::string& scene, const Overrides& overrides) {
-  std::vector<Record> rows;
-  Simulation simulation(scene_of(scene, overrides));
-  simulation.run([&](const Record& r) { rows.push_back(r); });
-  return rows;
-}
+using tests::Overrides;
+using tests::rows_of;
+using tests::summary_of;
 
 // Whatever the bath temperatures are of P(v + (h/2)M⁻¹f), as are those by kind of motion and the pressure's part; the
 // energy is of v, whose temperature is a column of its own.
@@ -216,10 +206,6 @@ TEST(Drift, ErrorIsTheScatterOverSeeds) {
   EXPECT_LT(std::sqrt(variance), 2.5 * scatter);
 }
 
-Summary summary_of(const std::string& scene, const Overrides& overrides) {
-  return Simulation(scene_of(scene, overrides)).run({});
-}
-
 // The run says itself where a method does not work: lincs cools water, and none lets bonds go.
 TEST(Doubts, OfMethodsThatDoNotWork) {
   const Overrides water = {"run.steps=600", "run.log_every=5"};
@@ -311,109 +297,6 @@ TEST(Doubts, OfADriftThatAThermostatBears) {
   s.off_by_k = -3.1;
   EXPECT_NE(doubts(s)[0].find("degree of freedom, which the thermostat leaves 3.1 K too cold; take"),
             std::string::npos);
-}
-
-// Implicit damping, dead-beat, heats water by its bonds alone; newton's do nothing.
-TEST(Account, SaysWhoseTheDriftIs) {
-  const auto run = [](std::vector<std::string> method) {
-    method.insert(method.end(), {"run.steps=1000", "run.log_every=10", "forcefield.switch_nm=0.75"});
-    return summary_of("water", method);
-  };
-  const Summary implicit =
-      run({"method.name=baumgarte", "method.damping=implicit", "method.gains=dead-beat"});
-  const Summary newton = run({"method.name=newton"});
-  EXPECT_GT(implicit.constraint_drift.value, 50);
-  EXPECT_NEAR(implicit.constraint_drift.value / implicit.drift.value, 1, 0.1);
-  EXPECT_LT(std::abs(newton.constraint_drift.value), 0.03 * implicit.constraint_drift.value);
-  EXPECT_LT(std::abs(newton.constraint_work), 0.03 * implicit.constraint_work);
-}
-
-// Of atoms under a uniform force and no bonds, nothing but the bath's heat is left.
-TEST(Account, OfFreeAtomsIsTheBathsAlone) {
-  for (const Overrides& bath : {Overrides{"run.thermostat=langevin", "run.friction_per_ps=20"},
-                                Overrides{"run.thermostat_ps=0.05"}}) {
-    SCOPED_TRACE(bath[0]);
-    Overrides all = {"build.chains=20", "method.name=none", "run.steps=200", "run.log_every=10",
-                     "run.dt_fs=2"};
-    all.insert(all.end(), bath.begin(), bath.end());
-    Scene scene = scene_of("trimer", all);
-    scene.system.bonds.clear();
-    scene.terms.gravity = Vec3(0, 0, -9);
-    std::vector<Record> rows;
-    Simulation simulation(std::move(scene));
-    simulation.run([&](const Record& r) { rows.push_back(r); });
-    const double scale = rows.front().kinetic;
-    EXPECT_GT(std::abs(*rows.back().heat), 0.03 * scale);
-    for (const Record& r : rows) {
-      EXPECT_NEAR(r.total() - rows.front().total(), *r.heat, 1e-10 * scale) << r.step;
-      EXPECT_NEAR(r.constraint_work, 0, 1e-10 * scale) << r.step;
-    }
-    EXPECT_NEAR(rows.back().drift, 0, 1e-4);
-  }
-}
-
-// What rescaling gives springs, and velocities that keep a part along the bonds, is counted as it is logged:
-// the bonds' share is what it is without, next to nothing.
-TEST(Account, OfRescaledVelocitiesIsTheBathsForEveryMethod) {
-  for (const char* method : {"newton", "shake", "penalty", "feedforward"}) {
-    const std::vector<Record> rows =
-        rows_of("freely_jointed",
-                {"build.chains=1", std::string("method.name=") + method, "run.dt_fs=2",
-                 "run.temperature_k=300", "run.thermostat_ps=0.05", "run.steps=400", "run.log_every=20"});
-    double most = 0, bonds = 0;
-    for (const Record& r : rows) {
-      most = std::max(most, std::abs(*r.heat));
-      bonds = std::max(bonds, std::abs(r.constraint_work));
-    }
-    EXPECT_GT(most, 0.3 * rows.front().kinetic) << method;
-    EXPECT_LT(bonds, 0.02 * most) << method;
-  }
-}
-
-// The thermostat takes what the bonds give, and is as much too warm as that takes.
-TEST(Account, SaysHowFarADriftKeepsTheThermostatOff) {
-  const Summary s =
-      summary_of("water", {"run.dt_fs=2", "run.steps=5000", "run.log_every=20", "run.thermostat_ps=0.5",
-                           "method.name=baumgarte", "method.damping=implicit", "method.gains=dead-beat"});
-  ASSERT_TRUE(s.off_by_k.has_value());
-  EXPECT_GT(*s.off_by_k, 6);
-  EXPECT_NEAR((s.temperature - 298.15) / *s.off_by_k, 1, 0.4);
-  ASSERT_EQ(s.doubts.size(), 1u);
-  EXPECT_NE(s.doubts[0].find("which the thermostat leaves"), std::string::npos);
-}
-
-// A trap at the origin and forces around it, which have no potential: they feed energy for ever.
-struct Swirl final : OwnField {
-  explicit Swirl(double its_strength) : strength(its_strength) {}
-  std::string name() const override { return "Swirl"; }
-  double add(const Vectors& x, Vectors& f) override {
-    f -= kStiffness * x;
-    f.row(0) -= strength * x.row(1);
-    f.row(1) += strength * x.row(0);
-    return 0.5 * kStiffness * x.squaredNorm();
-  }
-  static constexpr double kStiffness = 100;
-  double strength;
-};
-
-// Langevin's takes 1 − exp(−2γh) of what a degree of freedom has too much in a step: by weak friction and by
-// strong, where that is well below 2γh.
-TEST(Account, SaysHowFarADriftKeepsLangevinsThermostatOff) {
-  for (const auto& [friction, strength] : {std::pair{5, 20}, {40, 170}}) {
-    Scene scene = scene_of("trimer", {"build.chains=300", "method.name=none", "run.steps=6000",
-                                      "run.log_every=10", "run.dt_fs=10", "run.thermostat=langevin",
-                                      "run.friction_per_ps=" + std::to_string(friction)});
-    scene.system.bonds.clear();
-    Random random(7);
-    for (auto x : scene.start.x.colwise())
-      x = random.normal_vector() / std::sqrt(Swirl::kStiffness);  // kT = 1
-    scene.terms.own.push_back(std::make_shared<Swirl>(strength));
-    const double bath = scene.run.temperature_k;
-    const Summary s = Simulation(std::move(scene)).run({});
-    ASSERT_TRUE(s.off_by_k.has_value());
-    EXPECT_GT(s.temperature - bath, 0.05 * bath) << friction;
-    EXPECT_NEAR(*s.off_by_k / (s.temperature - bath), 1, 0.08) << friction;
-  }
 }
 
 // λ extrapolated to second order runs ahead of bonds that turn far in a step: there the step starts anew from the last λ.
