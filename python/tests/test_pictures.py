@@ -59,6 +59,32 @@ def test_names_stand_upon_no_other():
         assert box.x1 < figure.bbox.x1 and box.y0 > 0 and box.y1 < figure.bbox.y1
 
 
+def test_names_of_curves_that_crowd_find_room():
+    curves = [f"baumgarte ({key})" for key in ("tolerance", "extrapolation", "gains", "reduction", "sweeps")]
+    rows = [(curve, "baumgarte", 1.0 + k, 2.0**k * 1e-12, 2.0**k * 1e-12, 7.0) for curve in curves for k in range(3)]
+    rows.append(("none", "none", 0.0, 1e-3, 1e-3, 900.0))
+    table = dict(zip(chart(["newton"]), map(np.array, zip(*rows))))
+    figure = pictures.draw("work", {"work": table})
+    from matplotlib.text import Text
+
+    boxes = [Text.get_window_extent(text) for text in written(figure) if text.get_text() in curves]
+    assert len(boxes) == len(curves)
+    for k, box in enumerate(boxes):
+        for other in boxes[:k]:
+            wide = min(box.x1, other.x1) - max(box.x0, other.x0)
+            high = min(box.y1, other.y1) - max(box.y0, other.y0)
+            assert wide <= 0 or high < 0.25 * box.height, "letters upon letters"
+
+
+def test_methods_with_settings_differ_in_the_picture_of_precisions():
+    methods = ["shake", "shake:tolerance=1e-4", "shake:tolerance=1e-6"]
+    table = {"method": np.repeat(methods, 2), "precision": np.tile(["double", "mixed"], 3), "step_us": np.arange(1.0, 7),
+             "drift_kj_mol_ns_dof": np.arange(1.0, 7), "drift_low": np.arange(1.0, 7) - 0.5, "drift_high": np.arange(1.0, 7) + 0.5}
+    lines = [line for axis in pictures.draw("precision", {"precision": table}).axes for line in axis.lines
+             if line.get_fillstyle() == "full" and line.get_marker() not in ("None", "", "_", "|")]
+    assert len({(line.get_color(), line.get_marker()) for line in lines}) == len(methods)
+
+
 def run_table(y, panel="temperature [K]", curve="each row"):
     n = len(y)
     return {"panel": np.full(n, panel), "curve": np.full(n, curve), "t_ps": np.linspace(0, 10, n), "value": np.asarray(y),
