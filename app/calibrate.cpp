@@ -83,9 +83,13 @@ void print(const Scene& scene, const CalibrateArguments& arguments, const Calibr
   say("{}: {}, h = {:g} fs, seed {}\n", scene.name, counted(scene.system.bond_count(), "bond"),
       scene.run.dt_fs, scene.run.seed);
   print_notes(scene.notes);
+  std::string taken;
   if (!compared.empty()) {
     say("\n{}\n", wrapped(verdict_of(compared, scene.run.dt_fs), kPage, 2));
-    if (const ComparedMethod* best = best_of(compared)) say("  {}\n", run_line(arguments, best->method));
+    if (const ComparedMethod* best = best_of(compared)) {
+      taken = best->method;
+      say("  {}\n", run_line(arguments, taken));
+    }
     for (const std::string& doubt : common_doubts)
       say("{}\n", wrapped("in doubt with every method: " + doubt, kPage, 2));
     print_compared(compared);
@@ -108,7 +112,7 @@ void print(const Scene& scene, const CalibrateArguments& arguments, const Calibr
                                            : fmt::format(", on average over {}", counted(c.window, "step")),
                   c.alpha_per_ps, c.beta_per_ps, c.alpha_per_ps * h, c.beta_per_ps * h, method_of(c)),
               kPage, 0));
-  if (compared.empty()) say("  {}\n", run_line(arguments, method_of(c)));
+  if (taken != method_of(c)) say("  {}\n", run_line(arguments, method_of(c)));
   say("\nan error of {:g} put on every bond, and what is left: rms of ½(r² − d²)/d² over the bonds\n  {:<24}",
       plan.size, "steps later");
   for (int n = 0; n < 7; ++n) say(" {:>8}", n);

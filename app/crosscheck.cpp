@@ -34,28 +34,39 @@ std::string or_dash(double value, bool known) {
 
 constexpr int kWidth = 80;
 
+// Of the column of names.
+std::size_t names_width(const Crosscheck& c) {
+  std::size_t width = 24;
+  for (const Track* track : all_tracks(c)) width = std::max(width, track->name.size());
+  return width;
+}
+
 void print_positions(const Crosscheck& c) {
-  constexpr auto kRow = "{:<24} {:>9} {:>8} {:>9} {:>10} {:>9}\n";
-  say(kRow, "", "apart", "parted", "off fine", "bond error", "");
-  say(kRow, "", "[nm]", "at step", "run [nm]", "max", "rms");
+  constexpr auto kRow = "{:<{}} {:>9} {:>8} {:>9} {:>10} {:>9}\n";
+  const std::size_t width = names_width(c);
+  say(kRow, "", width, "apart", "parted", "off fine", "bond error", "");
+  say(kRow, "", width, "[nm]", "at step", "run [nm]", "max", "rms");
   for (const Track* track : all_tracks(c)) {
     const bool ran = track->samples.size() > 1, bonded = ran && c.bonds > 0;
     const auto parted = track->parted_at(c.agreement);
     const double apart = track->apart_at(c.parting);
-    say(kRow, track->name, or_dash(apart, ran && apart >= 0), parted ? fmt::format("{}", *parted) : "–",
+    say(kRow, track->name, width, or_dash(apart, ran && apart >= 0),
+        parted ? fmt::format("{}", *parted) : "–",
         or_dash(last_from_truth(*track), last_from_truth(*track) >= 0), or_dash(track->worst_bond(), bonded),
         or_dash(track->rms_bond(c.steps), bonded));
   }
 }
 
 void print_energies(const Crosscheck& c) {
-  constexpr auto kRow = "{:<24} {:>18} {:>14} {:>10}\n";
-  say(kRow, "", "energy drift", "bonds' share", "T");
-  say(kRow, "", "[kJ/mol/ns/dof]", "", "[K]");
+  constexpr auto kRow = "{:<{}} {:>18} {:>14} {:>10}\n";
+  const std::size_t width = names_width(c);
+  say(kRow, "", width, "energy drift", "bonds' share", "T");
+  say(kRow, "", width, "[kJ/mol/ns/dof]", "", "[K]");
   for (const Track* track : all_tracks(c)) {
     const auto& share = track->constraint_drift;
     const Estimate& drift = track->drift;
-    say(kRow, track->name, drift.error > 0 ? fmt::format("{:.1e} ± {:.0e}", drift.value, drift.error) : "–",
+    say(kRow, track->name, width,
+        drift.error > 0 ? fmt::format("{:.1e} ± {:.0e}", drift.value, drift.error) : "–",
         or_dash(share ? share->value : 0, share.has_value()),
         track->samples.size() > 1 ? fmt::format("{:.2f}", track->temperature.value) : "–");
   }
@@ -64,12 +75,13 @@ void print_energies(const Crosscheck& c) {
 void print_bond_lengths(const Crosscheck& c) {
   const std::vector<BondLengths> all = bond_lengths(c);
   if (all.empty()) return;
-  constexpr auto kRow = "{:<28} {:>8} {:>9} {:>19} {:>9}  {}\n";
+  constexpr auto kRow = "{:<{}} {:>8} {:>9} {:>19} {:>9}  {}\n";
+  const std::size_t width = names_width(c);
   say("\n");
-  say(kRow, "bond lengths", "error", "", "its slope", "in 1 ns", "made of");
-  say(kRow, "", "rms", "largest", "[1/ns]", "at most", "");
+  say(kRow, "bond lengths", width, "error", "", "its slope", "in 1 ns", "made of");
+  say(kRow, "", width, "rms", "largest", "[1/ns]", "at most", "");
   for (const BondLengths& of : all)
-    say(kRow, of.run, fmt::format("{:.1e}", of.rms.value), fmt::format("{:.1e}", of.largest),
+    say(kRow, of.run, width, fmt::format("{:.1e}", of.rms.value), fmt::format("{:.1e}", of.largest),
         of.slope.error > 0 ? fmt::format("{:.1e} ± {:.0e}", of.slope.value, of.slope.error) : "–",
         of.slope.error > 0 ? fmt::format("{:.0e}", of.in_a_ns) : "–", of.made_of);
 }

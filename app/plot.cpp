@@ -33,6 +33,8 @@ constexpr std::array kTables = {"work",       "drift",     "order",         "len
 bool draw_again(const PlotArguments& arguments) {
   const fs::path folder = arguments.folders[0];
   if (arguments.folders.size() > 1 || fs::exists(folder / "log.csv") || is_scan(folder)) return false;
+  if (!arguments.panels.empty())
+    throw InputError("--panels: counts only with runs, a study's tables have one picture each");
   StudyFiles files(arguments.out.value_or(folder), arguments.pictures);
   bool any = false;
   for (const char* name : kTables)
@@ -42,6 +44,7 @@ bool draw_again(const PlotArguments& arguments) {
       files.draw({name, "", csv, {{"limits", contents_of(folder / "limits.csv")}}});
     }
   if (any) files.print_written();
+  if (any && json_alone()) write_out(nlohmann::ordered_json{{"out", files.folder().string()}}.dump(2) + "\n");
   return any;
 }
 

@@ -44,16 +44,18 @@ StabilityPlan plan_of(const StabilityArguments& arguments) {
 }
 
 void print_steps(const StabilityPlan& plan, const Ledger& ledger) {
-  constexpr auto kRow = "{:<16} {:<24} {:>10} {:>11} {:>16}   {}\n";
+  constexpr auto kRow = "{:<16} {:<{}} {:>10} {:>11} {:>16}   {}\n";
+  std::size_t width = 16;
+  for (const auto& method : plan.methods) width = std::max(width, method.size());
   say("\n");
-  say(kRow, "largest step", "", "runs up to", "energy kept", "drift there", "and beyond");
-  say(kRow, "", "", "[fs]", "up to [fs]", "[kT/ns]", "");
+  say(kRow, "largest step", "", width, "runs up to", "energy kept", "drift there", "and beyond");
+  say(kRow, "", "", width, "[fs]", "up to [fs]", "[kT/ns]", "");
   for (std::size_t row = 0; row < plan.scenes.size(); ++row)
     for (const auto& method : plan.methods) {
       const auto& [runs, kept] = largest_steps(ledger, row, method);
       const double unit = kept.kT > 0 ? kept.kT : 1;
       const bool any = kept.figure > 0;
-      say(kRow, plan.scenes[row].name, method, fmt::format("{:.4g}", runs.figure),
+      say(kRow, plan.scenes[row].name, method, width, fmt::format("{:.4g}", runs.figure),
           any ? fmt::format("{:.4g}", kept.figure) : "none",
           any ? fmt::format("{:.1g} ± {:.1g}", kept.drift / unit, kept.drift_error / unit) : "–",
           runs.failed() ? runs.failure : fmt::format("none failed, up to {:g} times the scene's", kSearch));

@@ -4,8 +4,8 @@
 #include <memory>
 
 #include "base/random.hpp"
-#include "md/constraint_method.hpp"
 #include "md/bath.hpp"
+#include "md/constraint_method.hpp"
 
 namespace taut {
 

@@ -12,11 +12,11 @@ namespace taut {
 // Tatto et al. 2022, doi:10.3390/app12031139). k edges that change alike, all 3 of them or fewer, have the
 // strain ε = Σ ln L, which relaxes to its distribution at the pressure P₀:
 //     dε = (kβ/3τ)(P − P₀) dt + √(2k kT β/(3Vτ)) dW,   P the mean over these edges of
-//     P = (Σ M V² + Ξ − Σ (x − X) f)/V,
+//     P = (Σ M V² + Ξ − Σ (x − X) F)/V,
 // the pressure of the centres that the box moves (md/centre_scaling.hpp), in which constraints have no part:
-// Ξ is the virial of all other forces f, and V the velocity of the drift ahead, that of the full step and ½hf/M: a
-// centre's is too cold by (ωh)²/4 at the full step (docs/ensembles.md). The equation is linear where β is the compressibility, and is taken
-// over a time t at once,
+// Ξ is the virial of all other forces F, and V the velocity of the drift ahead, that of the full step and ½hf/M, f all
+// forces: a centre's is too cold by (ωh)²/4 at the full step (docs/ensembles.md). The equation is linear where β is the
+// compressibility, and is taken over a time t at once,
 //     Δε = (kβ/3)(1 − c)(P − P₀) + √((1 − c²) k kT β/(3V)) R,   c = exp(−t/τ),
 // so that the distribution does not depend on how often, nor on τ, which sets the pace alone. A β that is s
 // times the compressibility sets the pace, too, while t is short for τ: it makes the variance of the volume

@@ -70,7 +70,7 @@ SolveStats Langevin::advance(const Dynamics& dynamics, double h, State& s) {
   stats += dynamics.add_forces(push, s);                // f' = F' + C'
   half_kick(sys, h, &before_, s);                       // v' = u + ½Δ + (h/2) M⁻¹f'
   stats += dynamics.project_velocities(h, s);           // σ̇ = Jv' = 0
-  if (stats.held()) account.heat += dynamics.bath.after_step(sys, h, s);  // barostat
+  if (stats.held()) account.heat += dynamics.bath.after_step(sys, h, s);  // barostat, steering
   return stats;
 }
 

@@ -39,7 +39,7 @@ class Integrator {
 
  protected:
   // Sets F to the forces f that were evaluated where a drift of the velocity v ended, and takes their work in it into
-  // account. Where a thermostat changed the velocity by Δ in the middle, v is v_half + ½Δ, and ½Δ is given.
+  // account. Where a thermostat changed the velocity by Δ in the middle, v is v½ + ½Δ, and ½Δ is given.
   void renew_forces(double h, const System& sys, const Vectors* half_jump, State& s);
 
  private:

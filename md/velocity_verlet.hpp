@@ -17,7 +17,7 @@ class VelocityVerlet final : public Integrator {
   SolveStats advance(const Dynamics& dynamics, double h, State& s) override;
 };
 
-// A step for those who keep no account.
+// A single step, whose account is dropped.
 inline SolveStats step(const Dynamics& dynamics, double h, State& s) {
   return VelocityVerlet().advance(dynamics, h, s);
 }

@@ -180,7 +180,7 @@ void Simulation::note_start() {
   if (kinetic_removed > kNoise && !scene_.velocities_drawn)  // else along the bonds, as it has to be
     what.push_back(fmt::format("{:.3g} % of the kinetic energy taken out", 100 * kinetic_removed));
   if (!what.empty()) scene_.notes.push_back(fmt::format("brought to the bonds: {}", fmt::join(what, ", ")));
-  if (std::string fast = unresolved_motion(scene_, state_.x); !fast.empty())
+  if (std::string fast = unresolved_motion(scene_, state_.x, has_springs()); !fast.empty())
     scene_.notes.push_back(std::move(fast));
   if (std::string linked = linked_rings_message(full_, scene_.terms, state_); !linked.empty())
     scene_.notes.push_back(std::move(linked));

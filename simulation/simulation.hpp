@@ -181,8 +181,8 @@ class Simulation {
   // What temperatures and the pressure are taken of, and thermostats act on: the velocity of the drift ahead, on the
   // tangent of the bonds, P(v + (h/2)M⁻¹f), which is canonical for harmonic motion at any step (docs/ensembles.md). So
   // of bonds that are springs it is without what stretches them, for they start cold and warm up slowly, but under
-  // Langevin's thermostat, which heats them at once. A start's own temperature is of velocity(): they are drawn so, and
-  // what is at rest has none.
+  // Langevin's thermostat, which heats them at once. The first row's of velocities that were drawn, or of a start
+  // at rest, is of velocity(): they are drawn so, and what is at rest has none.
   Vectors thermal_velocity() const;
 
   // Of the rows so far: translation, rotation and the rest of each type of molecule.

@@ -56,7 +56,7 @@ class Simulation::Stopwatch {
 };
 
 void Simulation::LogSums::add(const Record& r, double residual, long since) {
-  if (rows == 0) first_t = r.t, first_energy = r.but_for_heat(), first_temperature = r.full_step_temperature;
+  if (rows == 0) first_t = r.t, first_energy = r.but_for_heat(), first_temperature = r.temperature;
   energy.add(r.t, r.but_for_heat(), since);
   constraint_work.add(r.t, r.constraint_work, since);
   temperature.add(r.temperature, since);
@@ -158,8 +158,12 @@ Summary Simulation::run(const std::function<void(const Record&)>& on_record,
       last = row(since, watch, progress_.step - first);
       in_step = false;
       temperatures_->see(scene_.system, state_.x, thermal_velocity(), steps_since_row());
-      if (sums_.rows == 0) temperatures_->set_first(scene_.system, state_.x, velocity());
+      const bool as_drawn =
+          sums_.rows == 0 && last.step == 0 && (scene_.velocities_drawn || state_.v.isZero(0));
+      if (sums_.rows == 0)
+        temperatures_->set_first(scene_.system, state_.x, as_drawn ? velocity() : thermal_velocity());
       sums_.add(last, since.max_residual, steps_since_row());
+      if (as_drawn) sums_.first_temperature = last.full_step_temperature;
     });
     if (on_record) in_part(StepPart::kOutput, [&] { on_record(last); });
     watch.leave_out(Clock::now() - pause);

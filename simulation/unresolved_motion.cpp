@@ -22,7 +22,8 @@ struct Spring {
 
 class Springs {
  public:
-  Springs(const System& sys, const Vectors& x) : sys_(sys), x_(x) {
+  Springs(const System& sys, const Vectors& x, bool bonds_are_springs) : sys_(sys), x_(x) {
+    if (bonds_are_springs) return;
     for (const RigidBond& bond : sys.bonds) rigid_.insert(std::minmax(bond.i, bond.j));
   }
 
@@ -81,8 +82,8 @@ class Springs {
 
 }  // namespace
 
-std::string unresolved_motion(const Scene& scene, const Vectors& x) {
-  const Springs springs(scene.system, x);
+std::string unresolved_motion(const Scene& scene, const Vectors& x, bool bonds_are_springs) {
+  const Springs springs(scene.system, x, bonds_are_springs);
   double fastest = 0;
   Spring which;
   const auto see = [&](const auto& terms) {
@@ -98,8 +99,8 @@ std::string unresolved_motion(const Scene& scene, const Vectors& x) {
   if (!(omega_h > kResolved)) return "";
   return fmt::format(
       "run.dt_fs: {:g} fs does not resolve the {} of atoms {}, a spring whose ωh is {:.2g} (above 1.5 "
-      "averages are of no "
-      "use, from 2 on the run fails); take {:.2g} fs or less, where it is 1, or hold it rigid",
+      "averages are of no use, from 2 on the run fails); take {:.2g} fs or less, where it is 1, or hold it "
+      "rigid",
       scene.run.dt_fs, which.atoms.size() == 2 ? "bond" : "angle", fmt::join(which.atoms, "-"), omega_h,
       scene.run.dt_fs / omega_h);
 }

@@ -185,12 +185,12 @@ struct ReferenceMethod {
 ReferenceMethod reference_of(const CalibrationPlan& plan) {
   std::string word = plan.against;
   if (plan.sweeps > 0) {
-    if (word.find(':') != word.npos)
+    if (word.find("sweeps=") != word.npos)
       throw InputError(
           fmt::format("taut calibrate: sweeps is said twice, in {} and as {}", word, plan.sweeps));
     if (word == "newton")
       throw InputError("taut calibrate: --sweeps goes with rattle or shake, newton has none");
-    word += fmt::format(":sweeps={}", plan.sweeps);
+    word += fmt::format("{}sweeps={}", word.find(':') == word.npos ? ':' : ',', plan.sweeps);
   }
   ReferenceMethod reference{word, method_in_word(word)};
   if (const auto* shake = reference.options.get_if<Shake::Options>())

@@ -91,7 +91,8 @@ std::vector<std::string> take_out_common_doubts(std::vector<ComparedMethod>& com
   const auto words = [](const std::string& doubt) {
     return doubt.substr(0, doubt.find_first_of("0123456789"));
   };
-  const std::vector<std::string> common = compared.back().doubts;
+  const std::vector<std::string> common =
+      std::ranges::find(compared, "newton", &ComparedMethod::method)->doubts;
   for (ComparedMethod& each : compared)
     std::erase_if(each.doubts, [&](const std::string& doubt) {
       return std::ranges::any_of(common,

@@ -100,7 +100,8 @@ bool Trial::may_keep_energy() const {
 }
 
 bool Trial::keeps_energy() const {
-  return may_keep_energy() && std::abs(drift) + 2 * drift_error <= kT;
+  const bool known = drift_error > 0 || drift == 0;  // too few rows tell no error
+  return known && may_keep_energy() && std::abs(drift) + 2 * drift_error <= kT;
 }
 
 namespace {

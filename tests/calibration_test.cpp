@@ -259,6 +259,19 @@ TEST(Calibration, TellsDoubtsOfTheSceneFromThoseOfAMethod) {
   EXPECT_THAT(compared[0].doubts, testing::ElementsAre(HasSubstr("heat")));
   EXPECT_FALSE(compared[0].sound());
   EXPECT_TRUE(compared[1].sound());
+  // newton may be the reference, which stands first
+  compared[0].method = "newton", compared[1].method = "baumgarte";
+  compared[0].doubts.clear(), compared[1].doubts = {"the constraints heat by 9 kJ/mol"};
+  EXPECT_THAT(take_out_common_doubts(compared), testing::IsEmpty());
+  EXPECT_FALSE(compared[1].sound());
+}
+
+TEST(Trial, WithoutAnErrorOfItsDriftIsNotSeenToKeepTheEnergy) {
+  Trial trial;
+  trial.kT = 2.5, trial.drift = 0.01;
+  EXPECT_FALSE(trial.keeps_energy());
+  trial.drift_error = 0.1;
+  EXPECT_TRUE(trial.keeps_energy());
 }
 
 // A flat hexagon held by its sides and second neighbours: refused before anything is computed, as a run

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <csignal>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "measures/csv.hpp"
 #include "taut_command.hpp"
@@ -22,7 +23,7 @@ using ::testing::Not;
 
 struct StudyCommands : ::testing::Test {
   const TemporaryFolder folder;
-  const Undrawn undrawn;
+  std::optional<Undrawn> undrawn{std::in_place};  // unless a test looks at a picture
 };
 
 TEST_F(StudyCommands, CalibratesAndWritesJson) {
@@ -144,6 +145,7 @@ TEST_F(StudyCommands, TakeASystemOfOpenMMs) {
 
 // Whatever the folder is called: pictures are drawn, and the report's command can be typed again.
 TEST_F(StudyCommands, TheCommandInAReportCanBeTyped) {
+  undrawn.reset();
   const fs::path out = folder.path() / "our 'first' $HOME";
   const auto first = taut("chart diatomic --quick --methods newton --set 'run.dt_fs = 3' --out \"" +
                           folder.path().string() + "/our 'first' \\$HOME\"");

@@ -8,8 +8,8 @@
 #include "ensembles/bussi.hpp"
 #include "free_system.hpp"
 #include "md/observables.hpp"
-#include "md/velocity_verlet.hpp"
 #include "md/units.hpp"
+#include "md/velocity_verlet.hpp"
 
 namespace taut::thermostat_tests {
 namespace {

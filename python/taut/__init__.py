@@ -58,7 +58,7 @@ from .simulation import Minimisation, Simulation
 from .studies import calibrate, chart, crosscheck, stability
 from .verifying import verify
 
-__version__ = "0.1"
+__version__ = "0.2"
 __all__ = ["Angle", "Bias", "CSV", "Calculator", "Call", "ConstraintMethod", "DCD", "Distance", "Force", "Gyration", "H5MD",
            "InputError", "Minimisation", "NotConverged", "Torsion",
            "OutsideError", "Push", "Reporter", "Row", "Simulation", "SimulationFailure", "State", "System",

@@ -89,7 +89,7 @@ def test_own_shake_lies_on_shakes_curve(my_shake):
 def test_own_method_in_calibrate_and_stability(my_shake):
     chains = {"build.chains": 2}
     ours = taut.calibrate("freely_jointed", against=my_shake, set=chains)
-    theirs = taut.calibrate("freely_jointed", against="shake", tolerance=1e-8, set=chains)
+    theirs = taut.calibrate("freely_jointed", against="shake:tolerance=1e-8", set=chains)
     assert ours["alpha_per_ps"] == pytest.approx(theirs["alpha_per_ps"], rel=0.2)
     steps = taut.stability("double_pendulum", [my_shake, "shake"], quick=True, steps=20, plane=False)["steps"]
     largest = dict(zip(steps["method"], steps["largest_stable_fs"]))

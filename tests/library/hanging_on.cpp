@@ -2,7 +2,7 @@
 #include <fmt/core.h>
 
 #include <taut/simulation/simulation.hpp>
-#include <taut/systems/scene_file.hpp>
+#include <taut/systems/scene/scene_file.hpp>
 
 int main(int, char** argv) {
   for (const std::string method : {"penalty", "shake", "feedforward", "newton"}) {
