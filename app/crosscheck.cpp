@@ -76,7 +76,8 @@ void print_bond_lengths(const Crosscheck& c) {
   const std::vector<BondLengths> all = bond_lengths(c);
   if (all.empty()) return;
   constexpr auto kRow = "{:<{}} {:>8} {:>9} {:>19} {:>9}  {}\n";
-  const std::size_t width = names_width(c);
+  std::size_t width = 24;
+  for (const BondLengths& of : all) width = std::max(width, of.run.size());
   say("\n");
   say(kRow, "bond lengths", width, "error", "", "its slope", "in 1 ns", "made of");
   say(kRow, "", width, "rms", "largest", "[1/ns]", "at most", "");

@@ -189,6 +189,8 @@ TEST(Gains, PhysicalOnesOfLaggedDampingAreCappedEarlier) {
 TEST(Gains, OfNoNameAreRefused) {
   const System sys = tests::rotor(1).system;
   EXPECT_THROW(choose_gains({.name = "dead-beet"}, Damping::kCentred, sys, 0.001), InputError);
+  for (const char* name : {"rattle", "swept"})  // of no reduction
+    EXPECT_THROW(choose_gains({.name = name}, Damping::kDiscrete, sys, 0.001), InputError) << name;
   EXPECT_THROW(choose_gains({.name = "numbers", .alpha_per_ps = 1.0}, Damping::kCentred, sys, 0.001),
                InputError);
   EXPECT_THROW(choose_gains({.name = "box2d"}, Damping::kLagged, sys, 0.001), InputError);  // αh = π

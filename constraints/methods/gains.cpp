@@ -15,6 +15,11 @@ constexpr double kCap = 0.95;  // of the stability limit, for gains that come fr
 
 DimensionlessGains named(const GainChoice& choice, Damping damping, double mu, double h) {
   const std::string& name = choice.name;
+  if ((name == "rattle" || name == "swept") && !(choice.reduction > 0))
+    throw InputError(
+        fmt::format("method.gains = \"{}\": expected method.reduction above 0, what is left of an error "
+                    "after a step (taut calibrate finds RATTLE's; with nothing left it is \"dead-beat\")",
+                    name));
   if (name == "reversible")
     return damping == Damping::kDiscrete ? DimensionlessGains{0.3, std::sqrt(2.5)}
                                          : DimensionlessGains{0.1, std::numbers::sqrt2};
