@@ -45,19 +45,20 @@ void print_shapes(const Calibration& c) {
     say("  and {} more kinds of clusters (--json has all)\n", c.shapes.size() - kMost);
 }
 
-// Returns the command that runs the scene with a method.
-std::string run_line(const CalibrateArguments& arguments, const std::string& method) {
-  CommandLine line = arguments.scene.line("run");
-  line.option("--method", std::vector{method});
+// Returns the command that runs the scene with a method, or sets it beside OpenMM.
+std::string run_line(const CalibrateArguments& arguments, const std::string& method,
+                     const char* command = "run") {
+  CommandLine line = arguments.scene.line(command);
+  line.option(command == std::string_view("run") ? "--method" : "--methods", std::vector{method});
   line.option("--dt-fs", arguments.scene.dt_fs);
   line.option("--set", arguments.scene.settings);
   return line.text();
 }
 
 void print_compared(const std::vector<ComparedMethod>& compared) {
-  constexpr auto kRow = "{:<24} {:>9} {:>9} {:>8} {:>8} {:>17} {:>14} {:>14} {:>6}\n";
+  constexpr auto kRow = "{:<24} {:>10} {:>9} {:>8} {:>8} {:>17} {:>14} {:>14} {:>6}\n";
   say("\n");
-  say(kRow, "", "reduction", "a step", "bond", "error", "its slope", "energy drift", "bonds' share", "ns a");
+  say(kRow, "", "error left", "a step", "bond", "error", "its slope", "energy drift", "bonds' share", "ns a");
   say(kRow, "", "predicted", "measured", "rms", "largest", "[1/ns]", "[kJ/mol/ns/", "dof]", "bond");
   for (const ComparedMethod& each : compared) {
     const Trial& t = each.trial;
@@ -85,13 +86,13 @@ void print(const Scene& scene, const CalibrateArguments& arguments, const Calibr
   print_notes(scene.notes);
   std::string taken;
   if (!compared.empty()) {
+    for (const std::string& doubt : common_doubts)
+      say("\n{}\n", wrapped("in doubt with every method: " + doubt, kPage, 2));
     say("\n{}\n", wrapped(verdict_of(compared, scene.run.dt_fs), kPage, 2));
     if (const ComparedMethod* best = best_of(compared)) {
       taken = best->method;
-      say("  {}\n", run_line(arguments, taken));
+      say("  {}\n  {}\n", run_line(arguments, taken), run_line(arguments, taken, "crosscheck"));
     }
-    for (const std::string& doubt : common_doubts)
-      say("{}\n", wrapped("in doubt with every method: " + doubt, kPage, 2));
     print_compared(compared);
     say("\n{}\n",
         wrapped(
@@ -102,18 +103,23 @@ void print(const Scene& scene, const CalibrateArguments& arguments, const Calibr
             kPage, 0));
   }
   say("\n{}\n",
-      wrapped(fmt::format(
-                  "Why: {} leaves {:.4g} of an error of the bond lengths a step{}. Baumgarte's law leaves as "
-                  "much with alpha_per_ps = {:.6g}, beta_per_ps = {:.6g} (αh = {:.4g}, βh = {:.4g}), which "
-                  "is {}.",
-                  c.reference_method, c.reduction_reference,
-                  plan.copies == "slowest" ? ", where its sweeps leave most"
-                  : plan.copies == "first" ? ", in its first"
-                                           : fmt::format(", on average over {}", counted(c.window, "step")),
-                  c.alpha_per_ps, c.beta_per_ps, c.alpha_per_ps * h, c.beta_per_ps * h, method_of(c)),
-              kPage, 0));
+      wrapped(
+          fmt::format(
+              "Why: {} leaves {:.4g} of an error of the bond lengths a step{}. Baumgarte's law leaves as "
+              "much, from the step after on, with alpha_per_ps = {:.6g}, beta_per_ps = {:.6g} (αh = {:.4g}, "
+              "βh = {:.4g}), which is {}.{}",
+              c.reference_method, c.reduction_reference,
+              plan.copies == "slowest" ? ", where its sweeps leave most"
+              : plan.copies == "first" ? ", in its first"
+                                       : fmt::format(", on average over {}", counted(c.window, "step")),
+              c.alpha_per_ps, c.beta_per_ps, c.alpha_per_ps * h, c.beta_per_ps * h, method_of(c),
+              c.reduction_reference < 1e-6
+                  ? " That is rounding: there is no reduction to copy but dead-beat's."
+                  : ""),
+          kPage, 0));
   if (taken != method_of(c)) say("  {}\n", run_line(arguments, method_of(c)));
-  say("\nan error of {:g} put on every bond, and what is left: rms of ½(r² − d²)/d² over the bonds\n  {:<24}",
+  say("\nan error of {:g} put on every bond, and what is left of it beside a run without: rms of ½(r² − "
+      "d²)/d²\n  {:<24}",
       plan.size, "steps later");
   for (int n = 0; n < 7; ++n) say(" {:>8}", n);
   say("\n");
