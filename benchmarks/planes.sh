@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Baumgarte over its gains on water and DNA at 2 and 4 fs, each damping, beside newton's drift in as many steps:
 #     benchmarks/planes.sh [FOLDER [NAME ...]]
-# Four αh by five βh of the part that lives; what is kept is plane.csv and plane.png. TAUT names the command, if it is not build/taut; STEPS other steps.
+# Four αh by five βh of the part that lives; what is kept is plane.csv and plane.png. TAUT names the command, if it is
+# not build/taut; STEPS other steps.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 out=${1:-benchmarks/results/planes}

@@ -134,7 +134,10 @@ def at_zero_step(dt_fs: npt.ArrayLike, means: npt.ArrayLike, errors: npt.ArrayLi
         raise InputError(f"dt_fs, means, errors: expected as many of each, got {steps.size}, {values.size}, {sigmas.size}")
     if not (steps > 0).all() or not (sigmas > 0).all() or len(set(steps.tolist())) < 2:
         raise InputError("dt_fs, errors: expected numbers above 0, and two lengths of step or more")
-    value, slope, chi_square, free, chance = _core.measure_zero_step(steps.tolist(), values.tolist(), sigmas.tolist())
+    found = _core.measure_zero_step(steps.tolist(), values.tolist(), sigmas.tolist())
+    if found is None:
+        raise InputError("dt_fs, means, errors: no line goes through them")
+    value, slope, chi_square, free, chance = found
     return ZeroStep(Estimate(*value), Estimate(*slope), chi_square, free, chance)
 
 

@@ -279,6 +279,7 @@ def test_a_notebook_shows_a_picture_once(monkeypatch):
     matplotlib = pytest.importorskip("matplotlib")
     pyplot = pytest.importorskip("matplotlib.pyplot")
     pyplot.switch_backend("agg")
+    pyplot.close("all")  # other tests' figures
     monkeypatch.setattr(matplotlib, "get_backend", lambda: "module://matplotlib_inline.backend_inline")
     sim = taut.Simulation("water", set=SET)
     sim.run(20, every=5)

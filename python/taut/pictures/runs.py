@@ -150,8 +150,8 @@ def _frame(_: Page, axis: Any, table: Table, frame: str) -> None:
 
     for kind, (colour, width) in lines.items():
         of = (frames == frame) & (what == kind)
-        axis.add_collection(LineCollection(np.stack([np.column_stack([x[of], up[of]]), np.column_stack([to_x[of], to_up[of]])], 1),
-                                           colors=colour, linewidths=width, zorder=1))
+        ends = np.stack([np.column_stack([x[of], up[of]]), np.column_stack([to_x[of], to_up[of]])], 1)
+        axis.add_collection(LineCollection(list(ends), colors=colour, linewidths=width, zorder=1))
     of = (frames == frame) & (what == "atom")
     number = {kind: n for n, kind in enumerate(each(kinds[what == "atom"]))}
     colours = [KINDS.get(kind[:1], HUES[number[kind] % len(HUES)]) if number[kind] or kind[:1] in KINDS else "#56B4E9"
