@@ -40,17 +40,18 @@ void read_custom_compound(const ForceReading& r) {
     constexpr std::array kNames = {"p1", "p2", "p3"};
     for (int a = 0; a < particles; ++a) fields.push_back(atom_field(kNames[a], atoms[a], r.system.atoms()));
     p.read(term, fields);
-    const auto [at, fresh] = known.try_emplace(p.of_term());
-    if (fresh) {
-      at->second = recognize_spline(splines, [&](double v) { return p.energy({{"v", v}}); });
-      if (at->second && p.branches() && !p.is([&](double v) { return rough_value(*at->second, v); }))
-        at->second = nullptr;
+    const auto found = known.try_emplace(p.of_term());
+    std::shared_ptr<const Spline>& spline = found.first->second;
+    if (found.second) {
+      spline = recognize_spline(splines, [&](double v) { return p.energy({{"v", v}}); });
+      if (spline && p.branches() && !p.is([&](double v) { return rough_value(*spline, v); }))
+        spline = nullptr;
     }
-    if (!at->second) refuse();
+    if (!spline) refuse();
     if (particles == 2)
-      r.to.terms.tabulated_bonds.push_back({atoms[0], atoms[1], at->second});
+      r.to.terms.tabulated_bonds.push_back({atoms[0], atoms[1], spline});
     else
-      r.to.terms.tabulated_angles.push_back({atoms[0], atoms[1], atoms[2], at->second});
+      r.to.terms.tabulated_angles.push_back({atoms[0], atoms[1], atoms[2], spline});
   });
 }
 
