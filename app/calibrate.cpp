@@ -114,7 +114,7 @@ void print(const Scene& scene, const CalibrateArguments& arguments, const Calibr
                                        : fmt::format(", on average over {}", counted(c.window, "step")),
               c.alpha_per_ps, c.beta_per_ps, c.alpha_per_ps * h, c.beta_per_ps * h, method_of(c),
               c.reduction_reference < 1e-6
-                  ? " That is rounding: there is no reduction to copy but dead-beat's."
+                  ? " So little is left that these gains are next to dead-beat, which leaves nothing."
                   : ""),
           kPage, 0));
   if (taken != method_of(c)) say("  {}\n", run_line(arguments, method_of(c)));

@@ -145,13 +145,7 @@ std::vector<Job> work_jobs(const ChartPlan& plan, const Ledger& ledger) {
                             plan.scene, s,
                             {.start = kTimedStart, .steps = plan.steps, .rows = 2, .listen = plan.listen});
                       }});
-    runs.push_back({drift_name(s), [&plan, s] {
-                      return try_setting(plan.scene, s,
-                                         {.start = plan.drift_steps / 4,
-                                          .steps = plan.drift_steps,
-                                          .rows = plan.drift_steps / 10,
-                                          .listen = plan.listen});
-                    }});
+    runs.push_back({drift_name(s), [&plan, s] { return try_setting(plan.scene, s, plan.long_trial()); }});
   }
   std::vector<Job> jobs = interleaved(points, plan.repeats, ledger);
   jobs.insert(jobs.end(), runs.begin(), runs.end());

@@ -26,6 +26,10 @@ struct ChartPlan {
 
   void make_quick();                      // rough: few settings, repeats and steps
   std::vector<Setting> settings() const;  // of all methods
+  // Of drift_steps, after a start of a quarter as many.
+  TrialPlan long_trial() const {
+    return {.start = drift_steps / 4, .steps = drift_steps, .rows = drift_steps / 10, .listen = listen};
+  }
   bool has(
       std::string_view panel) const;  // asked for, or needed for one that is, and there is something to show
 };

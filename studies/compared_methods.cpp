@@ -157,7 +157,7 @@ std::string verdict_of(const std::vector<ComparedMethod>& compared, double step_
   text += reference.trial.failed() ? "failed: " + reference.trial.failure : figures_in_words(reference);
   if (!reference.sound() && !reference.trial.failed()) text += ", and is not sound: " + why_not(reference);
   const auto newton = std::ranges::find(compared, "newton", &ComparedMethod::method);
-  if (best != &*newton && newton != compared.begin() && newton->sound())
+  if (newton != compared.end() && newton != compared.begin() && best != &*newton && newton->sound())
     text += fmt::format("; newton has bonds right to {:.1e} rms, {:.3g} ns", newton->trial.rms_error.value,
                         newton->ns_per_bond.median);
   for (const ComparedMethod& each : compared)

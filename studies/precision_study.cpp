@@ -39,11 +39,7 @@ std::vector<Job> precision_jobs(const ChartPlan& plan, const Ledger& ledger) {
                               {.start = plan.steps, .steps = plan.steps, .rows = 2, .listen = plan.listen});
                         }});
       drifts.push_back({point_name("precision", method, precision), [&plan, method, precision] {
-                          return try_precision(plan, method, precision,
-                                               {.start = plan.drift_steps / 4,
-                                                .steps = plan.drift_steps,
-                                                .rows = plan.drift_steps / 10,
-                                                .listen = plan.listen});
+                          return try_precision(plan, method, precision, plan.long_trial());
                         }});
     }
   std::vector<Job> jobs = interleaved(points, plan.repeats, ledger);
