@@ -85,6 +85,23 @@ TEST(ThermalVelocity, SpringsInABathHoldHalfKT) {
   EXPECT_NEAR(sum / rows / (0.5 * kBoltzmann * 120.27), 1, 0.03);
 }
 
+// Rows are compared with a first one of the same velocity, unless its velocities were drawn: those are of full steps.
+TEST(StartAndEnd, BeginsWithTheVelocityThatLaterRowsAreOf) {
+  const Overrides overrides = {"run.dt_fs=4", "run.steps=20", "run.log_every=10"};
+  const auto expected_and_first = [](const Scene& scene) {
+    std::vector<Record> rows;
+    const Summary summary = Simulation(scene).run([&](const Record& r) { rows.push_back(r); });
+    return std::pair(summary.start_and_end.expected, rows.front());
+  };
+  Scene scene = scene_of("water", overrides);
+  const auto [drawn, first] = expected_and_first(scene);
+  EXPECT_EQ(drawn, first.full_step_temperature);
+  EXPECT_GT(std::abs(first.temperature / first.full_step_temperature - 1), 1e-3);
+  scene.velocities_drawn = false;  // as of a start that goes on
+  const auto [given, again] = expected_and_first(scene);
+  EXPECT_EQ(given, again.temperature);
+}
+
 // Two masses on a spring swing at √(k/μ); an angle whose bonds are rigid at √(k gᵀPM⁻¹g), less than with free ones.
 TEST(UnresolvedMotion, IsTheFastestSprings) {
   Scene scene;
@@ -129,6 +146,17 @@ TEST(UnresolvedMotion, IsTheFastestSprings) {
     scene.run.dt_fs = 1.501e3 / frequency;
     EXPECT_NE(unresolved_motion(scene, x).find("angle of atoms 0-1-2"), std::string::npos);
   }
+}
+
+// Where a method holds a bond by a spring nothing holds what lies along it.
+TEST(UnresolvedMotion, IsThereAlongBondsThatAreSprings) {
+  Scene scene;
+  scene.system = make_system(Eigen::Vector2d(1, 1), {{0, 1, 0.1}});
+  scene.terms.bonds = {{0, 1, 0.1, 1e7}};
+  Vectors x = Vectors::Zero(3, 2);
+  x(0, 1) = 0.1;
+  EXPECT_EQ(unresolved_motion(scene, x), "");
+  EXPECT_NE(unresolved_motion(scene, x, true), "");
 }
 
 // It is said before the first step.
