@@ -111,8 +111,10 @@ def test_openmms_own_calls_project_onto_the_bonds(on):
     assert max(abs((x[j] - x[i]) @ (v[j] - v[i])) for i, j, _ in bonds) < 1e-6
 
 
-@pytest.mark.parametrize("on", ["Reference", "CPU"])  # pocl 3.1's minimizer crashes with any integrator
-def test_minimizes(on):
+# pocl 3.1's minimizer crashes with any integrator; the CPU platform's has forces in single precision and threads in any
+# order, and of 60 runs ended at 0.6 to 8 kJ/mol/nm.
+@pytest.mark.parametrize("on, left", [("Reference", 2), ("CPU", 40)])
+def test_minimizes(on, left):
     system, x = cholesterols()
     crowded = x * [1, 1, 0.6] + 0.01 * np.random.default_rng(4).normal(size=x.shape)
     bonds = taut.openmm.rigid_bonds(system)
@@ -128,7 +130,7 @@ def test_minimizes(on):
     context.applyConstraints(1e-8)
     before = slope()
     openmm.LocalEnergyMinimizer.minimize(context, 1)
-    assert before > 100 and slope() < 5
+    assert before > 200 and slope() < left
     assert context.getState(energy=True).getPotentialEnergy()._value < -20
     assert bond_error(bonds, positions(context)) < 1e-6
     context.setVelocitiesToTemperature(300, 1)
