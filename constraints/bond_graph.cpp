@@ -29,6 +29,23 @@ std::vector<int> connected_components(int n, const std::vector<IndexPair>& pairs
   return root;
 }
 
+std::vector<int> clusters_of_bonds(const System& sys) {
+  std::vector<IndexPair> tied;
+  for (const auto& [i, j, d] : sys.bonds)
+    if (sys.inv_mass[i] != 0 && sys.inv_mass[j] != 0) tied.push_back({i, j});
+  const std::vector<int> of_atom = connected_components(sys.atoms(), tied);
+  std::vector<int> of_bond;
+  for (const auto& [i, j, d] : sys.bonds) of_bond.push_back(of_atom[sys.inv_mass[i] == 0 ? j : i]);
+  return of_bond;
+}
+
+std::map<int, std::vector<int>> bonds_of_clusters(const System& sys) {
+  const std::vector<int> cluster = clusters_of_bonds(sys);
+  std::map<int, std::vector<int>> bonds;
+  for (int k = 0; k < sys.bond_count(); ++k) bonds[cluster[k]].push_back(k);
+  return bonds;
+}
+
 Couplings::Couplings(const System& sys)
     : Couplings(sys.bonds, {sys.inv_mass.data(), static_cast<std::size_t>(sys.atoms())}) {}
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <map>
 #include <span>
 #include <vector>
 
@@ -15,6 +16,12 @@ std::vector<std::vector<int>> bonds_at_atoms(int atoms, std::span<const RigidBon
 
 // Returns, for each index, the smallest index of its connected component.
 std::vector<int> connected_components(int n, const std::vector<IndexPair>& pairs);
+
+// Returns, for each bond, the smallest mobile atom of its cluster. Anchors couple no bonds.
+std::vector<int> clusters_of_bonds(const System& sys);
+
+// The bonds of each cluster, by that atom.
+std::map<int, std::vector<int>> bonds_of_clusters(const System& sys);
 
 // Two bonds k and l are coupled if they share an atom a that can move. The coupling is +1/m_a if a is the
 // same end (i or j) of both bonds, and −1/m_a otherwise.

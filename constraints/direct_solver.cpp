@@ -4,10 +4,7 @@
 
 namespace taut {
 
-DirectSolver::DirectSolver(const System& sys) : DirectSolver(sys, sys.bonds) {}
-
-DirectSolver::DirectSolver(const System& sys, std::span<const RigidBond> bonds)
-    : DirectSolver(Couplings(bonds, {sys.inv_mass.data(), static_cast<std::size_t>(sys.atoms())})) {}
+DirectSolver::DirectSolver(const System& sys) : DirectSolver(Couplings(sys)) {}
 
 DirectSolver::DirectSolver(const Couplings& couplings)
     : reduced_inv_mass_(couplings.reduced_inv_mass),

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <span>
 #include <vector>
 
 #include "base/archive.hpp"
@@ -16,7 +15,6 @@ namespace taut {
 class DirectSolver {
  public:
   explicit DirectSolver(const System& sys);
-  DirectSolver(const System& sys, std::span<const RigidBond> bonds);
 
   // r: 3 × m bond vectors. A bond whose pivot is below `threshold` times its diagonal depends on other bonds:
   // it gets λ = 0, and dependent_bonds() lists it. Pivots of A' are negative where the bonds have passed a placement in

@@ -3,18 +3,11 @@
 #include <cmath>
 
 namespace taut {
-namespace {
-
-Couplings couplings_of(const System& sys) {
-  return Couplings(sys.bonds, {sys.inv_mass.data(), static_cast<std::size_t>(sys.atoms())});
-}
-
-}  // namespace
 
 MetricPotential::MetricPotential(const System& sys)
     : bonds_(sys.bonds),
-      reduced_inv_mass_(couplings_of(sys).reduced_inv_mass),
-      plan_(couplings_of(sys), {}, Elimination::Order::kMinimumDegree),
+      reduced_inv_mass_(Couplings(sys).reduced_inv_mass),
+      plan_(Couplings(sys), {}, Elimination::Order::kMinimumDegree),
       r_(3, plan_.size()),
       g_(3, plan_.size()),
       l_(plan_.entries()),

@@ -72,17 +72,9 @@ Cluster cluster_of(const System& sys, const std::vector<int>& bonds) {
 }
 
 std::vector<Cluster> clusters_of(const System& sys) {
-  std::vector<IndexPair> tied;
-  for (const auto& [i, j, d] : sys.bonds)
-    if (sys.inv_mass[i] != 0 && sys.inv_mass[j] != 0) tied.push_back({i, j});
-  const std::vector<int> of_atom = connected_components(sys.atoms(), tied);
-  std::map<int, std::vector<int>> bonds;
-  for (int k = 0; k < sys.bond_count(); ++k) {
-    const auto [i, j, d] = sys.bonds[k];
-    bonds[of_atom[sys.inv_mass[i] == 0 ? j : i]].push_back(k);
-  }
   std::vector<Cluster> clusters;
-  for (const auto& [first, of_cluster] : bonds) clusters.push_back(cluster_of(sys, of_cluster));
+  for (const auto& [first, of_cluster] : bonds_of_clusters(sys))
+    clusters.push_back(cluster_of(sys, of_cluster));
   return clusters;
 }
 

@@ -57,19 +57,10 @@ double SweptErrors::slowest() const {
 }
 
 std::vector<SweptShape> cluster_shapes(const System& sys) {
-  std::vector<IndexPair> pairs;
-  for (const auto& [i, j, d] : sys.bonds)
-    if (sys.mass[i] > 0 && sys.mass[j] > 0) pairs.push_back({i, j});
-  const std::vector<int> cluster_of_atom = connected_components(sys.atoms(), pairs);
-  std::map<int, std::vector<int>> clusters;  // their bonds
-  for (int k = 0; k < sys.bond_count(); ++k) {
-    const auto& [i, j, d] = sys.bonds[k];
-    clusters[cluster_of_atom[sys.mass[i] > 0 ? i : j]].push_back(k);
-  }
   std::map<std::vector<double>, std::size_t> known;
   std::vector<SweptShape> shapes;
   std::vector<int> counts;
-  for (const auto& [first, bonds] : clusters) {
+  for (const auto& [first, bonds] : bonds_of_clusters(sys)) {
     std::vector<double> kind;
     for (const int k : bonds)
       for (const double number : {sys.mass[sys.bonds[k].i], sys.mass[sys.bonds[k].j], sys.bonds[k].length})

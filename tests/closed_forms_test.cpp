@@ -244,40 +244,6 @@ TEST(Redundant, ACubeWithItsDiagonalsRunsOnRequest) {
               ::testing::Contains(::testing::HasSubstr("nm; the bonds it follows from make it 0.")));
 }
 
-// A plate on three parallel cranks swings as one pendulum, from rest across gravity to the same height.
-TEST(Redundant, APlateOnThreeCranksSwingsOnRequest) {
-  Scene plate;
-  plate.name = "plate";
-  const Vec3 crank(0.6, 0.8, 0);
-  plate.start.x.resize(3, 6);
-  plate.start.x.leftCols(3) << 0, 1, 0.4, 0, 0, 0.5, 0, 0, 0;
-  plate.start.x.rightCols(3) = plate.start.x.leftCols(3).colwise() + crank;
-  plate.start.v = Vectors::Zero(3, 6);
-  Eigen::VectorXd mass(6);
-  mass << 0, 0, 0, 1, 2, 3;
-  std::vector<RigidBond> bonds;
-  for (const auto& [i, j] : std::vector<std::pair<int, int>>{{0, 3}, {1, 4}, {2, 5}, {3, 4}, {4, 5}, {3, 5}})
-    bonds.push_back({i, j, (plate.start.x.col(j) - plate.start.x.col(i)).norm()});
-  plate.system = make_system(mass, bonds);
-  plate.terms.gravity = 9.81 * Vec3(0.8, -0.6, 0);
-  plate.run.dt_fs = 0.5;
-  plate.run.steps = 2368;  // 2 K(½)/√g = 1.18390 ps later it is at rest on the other side
-  plate.run.log_every = 100;
-  plate.method = default_options("newton");
-  EXPECT_THROW(Simulation{plate}, InputError);
-  plate.run.redundant = "drop";
-  for (const char* method : {"newton", "rattle", "feedforward"}) {
-    plate.method = default_options(method);
-    Simulation simulation(plate);
-    const Summary summary = simulation.run({});
-    const Vectors& x = simulation.state().x;
-    for (const int end : {3, 4, 5}) EXPECT_LT((x.col(end) - x.col(end - 3) + crank).norm(), 1e-3) << method;
-    EXPECT_LT(bond_errors(plate.system, x).max, 1e-7) << method;
-    EXPECT_EQ(summary.doubts.size(), 0u) << method;
-    EXPECT_THAT(simulation.scene().notes, ::testing::Contains("1 bond is left out that follows from others"));
-  }
-}
-
 TEST(RattleStep, IsReversible) {
   const Scene scene = scene_of("water_cluster");
   const System& sys = scene.system;

@@ -11,17 +11,6 @@
 namespace taut {
 namespace {
 
-// Returns, for each bond, the smallest mobile atom of its cluster.
-std::vector<int> cluster_of_bond(const System& sys) {
-  std::vector<IndexPair> tied;
-  for (const auto& [i, j, d] : sys.bonds)
-    if (sys.inv_mass[i] != 0 && sys.inv_mass[j] != 0) tied.push_back({i, j});
-  const std::vector<int> of_atom = connected_components(sys.atoms(), tied);
-  std::vector<int> cluster;
-  for (const auto& [i, j, d] : sys.bonds) cluster.push_back(of_atom[sys.inv_mass[i] == 0 ? j : i]);
-  return cluster;
-}
-
 // Returns numbers that are equal for two clusters if and only if the clusters are alike.
 std::vector<double> key_of(const ClusterShape& shape) {
   std::vector<double> key = shape.inv_mass;
@@ -80,7 +69,7 @@ int ClusterBatches::add(const ClusterShape& shape, const std::vector<int>& atoms
 }
 
 BondClusters find_clusters(const System& sys, const ClusterLimits& limits) {
-  const std::vector<int> cluster = cluster_of_bond(sys);
+  const std::vector<int> cluster = clusters_of_bonds(sys);
   std::vector<int> by_cluster(sys.bond_count());
   std::iota(by_cluster.begin(), by_cluster.end(), 0);
   const auto before = [&](int k, int l) { return cluster[k] < cluster[l]; };
