@@ -151,9 +151,11 @@ void fold(const fs::path& folder) {
   Table table;
   auto& t = table.add("t_ps");
   for (int n = 0; n <= 400; ++n) t.push_back(0.025 * n);
-  for (const std::string name : {"newton", "baumgarte", "none", "without"}) {
+  for (const std::string name : {"rattle", "baumgarte", "none", "without"}) {
     const bool without = name == "without";
-    Scene scene = world("fold", {"method.name=" + (without ? "newton" : name)});
+    Overrides method = {"method.name=" + (without ? "rattle" : name)};
+    if (name == "rattle") method.push_back("method.max_sweeps=20000");
+    Scene scene = world("fold", method);
     const std::vector<OneSidedBond> struts = scene.system.one_sided;
     if (without) scene.system.one_sided.clear();
     auto& nearest = table.add(name);

@@ -28,7 +28,7 @@ WORLDS = {
     "fold": ("t [ps]", [
         ("nearest layers [thicknesses]", None, [("without", GREY, ":", "no struts"),
          ("none", ORANGE, "--", "struts without a corrective term"), ("baumgarte", SKY, "-", "baumgarte"),
-         ("newton", BLACK, (0, (5, 2, 1, 2)), "newton")])]),
+         ("rattle", BLACK, (0, (5, 2, 1, 2)), "rattle")])]),
     "double_pendulum": ("t [ps]", [
         ("energy given [kJ/mol]", None,
          [(f"implicit_{ah}", colour, "o", f"implicit, αh = {ah}") for ah, colour in (("0.1", SKY), ("0.3", BLUE), ("1", ORANGE))] +

@@ -14,6 +14,12 @@ inline double sigma(const Vec3& r, double d) {
   return 0.5 * (r.squaredNorm() - d * d);
 }
 
+// Returns λ if a one-sided bond may have it (a strut, side 1, only pushes; a rope, side −1, only pulls), else
+// 0. A bond that acts both ways has side 0.
+inline double one_sided(int side, double lambda) {
+  return side == 0 || side * lambda > 0 ? lambda : 0;
+}
+
 // r_k = x_j − x_i; also v_ij from v
 void differences(const System& sys, const Vectors& x, Vectors& r);
 

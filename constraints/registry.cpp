@@ -62,7 +62,7 @@ std::list<MethodEntry>& list() {
           "feedforward", "baumgarte with dead-beat gains: an error is gone in two steps"),
       also_one_sided(in_lanes<Shake>("shake", "sweeps over the bonds, positions only")),
       also_one_sided(in_lanes<Rattle>("rattle", "sweeps over the bonds, positions and velocities")),
-      also_one_sided(in_lanes<Newton>("newton", "RATTLE by a direct solve of all bonds at once")),
+      in_lanes<Newton>("newton", "RATTLE by a direct solve of all bonds at once"),
       entry<MShake>("mshake",
                     "newton with the exact matrix of every iteration (M-SHAKE, ILVES): few, expensive ones"),
       in_lanes<Lincs>("lincs", "the inverse of A expanded in powers, as GROMACS does"),

@@ -4,10 +4,8 @@
 
 #include <cmath>
 
-#include "constraints/active_set.hpp"
 #include "constraints/bond_algebra.hpp"
 #include "constraints/methods/baumgarte.hpp"
-#include "constraints/methods/newton.hpp"
 #include "constraints/methods/rattle.hpp"
 #include "constraints/methods/shake.hpp"
 #include "constraints/projection.hpp"
@@ -36,7 +34,6 @@ std::vector<Holder> holders() {
       {"rattle", Rattle::Options{{.tolerance = 1e-12}}, 1.1e-12},
       {"rattle_cold", Rattle::Options{{.tolerance = 1e-12}, false}, 1.1e-12},
       {"shake", Shake::Options{{.tolerance = 1e-12}}, 1.1e-12},
-      {"newton", Newton::Options{.tolerance = 1e-12}, 1.1e-12},
       {"baumgarte", Baumgarte::Options{}, 1e-4},
       {"baumgarte_swept", Baumgarte::Options{.gains = "dead-beat", .sweeps = 60, .extrapolation = 0}, 1e-4}};
 }
@@ -242,59 +239,6 @@ TEST(OneSidedBonds, ATouchNeverMakesEnergy) {
   EXPECT_GT(touches, 1000);
 }
 
-// One solution, two ways to it.
-TEST(OneSidedBonds, SweepsAndActiveSetAgree) {
-  const double h = 2e-3;
-  Start a = cage(5), b = cage(5);
-  NoForce none;
-  const auto rattle = make_method(a.system, Rattle::Options{{.tolerance = 1e-14, .max_sweeps = 20000}}, h);
-  const auto newton = make_method(b.system, Newton::Options{.tolerance = 1e-14}, h);
-  const Dynamics by_rattle{a.system, none, *rattle}, by_newton{b.system, none, *newton};
-  initialize(by_rattle, h, a.state);
-  initialize(by_newton, h, b.state);
-  bool touched = false;
-  for (int n = 0; n < 200; ++n) {
-    ASSERT_TRUE(step(by_rattle, h, a.state).converged());
-    ASSERT_TRUE(step(by_newton, h, b.state).converged());
-    ASSERT_LT((a.state.x - b.state.x).cwiseAbs().maxCoeff(), 1e-9) << n;
-    touched |= rattle->lambda().tail(a.system.all_bonds() - 2).any();
-  }
-  EXPECT_TRUE(touched);
-}
-
-// w = Aλ − b: 0 on bonds, on the right side of one-sided ones, and there 0 or λ is.
-TEST(OneSidedBonds, AnActiveSetSolvesTheComplementarityProblem) {
-  Random random(11);
-  int acting = 0, idle = 0;
-  for (int n = 0; n < 200; ++n) {
-    const Start start = cage(100 + n);
-    const System& sys = start.system;
-    Vectors r(3, sys.all_bonds()), y = Vectors::Zero(3, sys.atoms());
-    differences(sys, start.state.x, r);
-    Eigen::VectorXd b(sys.all_bonds()), lambda(b);
-    for (int k = 0; k < sys.all_bonds(); ++k) {  // as if all touched, and moved by v
-      const auto& [i, j, d] = sys.bond(k);
-      b[k] = -r.col(k).dot(start.state.v.col(j) - start.state.v.col(i));
-      lambda[k] = random.normal_vector().x();
-    }
-    ActiveSet set(sys);
-    const Failure failure = set.solve(sys, r, b, lambda);
-    ASSERT_EQ(failure, Failure::kNone) << in_words(failure);
-    add_constraint_acceleration(sys, r, lambda, y);
-    for (int k = 0; k < sys.all_bonds(); ++k) {
-      const auto& [i, j, d] = sys.bond(k);
-      const double w = r.col(k).dot(y.col(j) - y.col(i)) - b[k];
-      const int side = sys.side(k);
-      ASSERT_GE(side * lambda[k], 0);
-      ASSERT_GE(side * w, -1e-9);
-      ASSERT_NEAR(side == 0 ? w : lambda[k] * w, 0, 1e-8);
-      if (side != 0) ++(lambda[k] != 0 ? acting : idle);
-    }
-  }
-  EXPECT_GT(acting, 500);
-  EXPECT_GT(idle, 500);
-}
-
 // Without correction a strut has σ̈ ≥ 0 alone: the ball keeps the speed it came with, and passes through.
 TEST(OneSidedBonds, WithoutCorrectionABallPassesThrough) {
   const double h = 1e-3, speed = 2;
@@ -363,7 +307,7 @@ TEST(OneSidedBonds, WhoDoesNotHoldThemSaysSo) {
         error_message([&] { make_method(start.system, default_options(method.name), 1e-3); });
     const std::string refusal = "method \"" + std::string(method.name) +
                                 "\" holds no one-sided bonds (at_least, at_most), and there are 1: expected "
-                                "none, baumgarte, shake, rattle, newton";
+                                "none, baumgarte, shake, rattle";
     EXPECT_EQ(words, method.one_sided ? "no error" : refusal);
   }
 }

@@ -150,7 +150,8 @@ TEST(Fold, StrutsKeepItsLayersApart) {
   EXPECT_LT(nearest_layers(without), 0);
   EXPECT_LT(nearest_layers(read_scene(world("fold"), {"method.name=none"})), 0.5);
   EXPECT_GT(nearest_layers(scene), 1 - 1e-9);
-  EXPECT_GT(nearest_layers(read_scene(world("fold"), {"method.name=rattle"})), 1 - 1e-9);
+  EXPECT_GT(nearest_layers(read_scene(world("fold"), {"method.name=shake", "method.max_sweeps=20000"})),
+            1 - 1e-9);
   EXPECT_GT(nearest_layers(read_scene(world("fold"), {"method.name=baumgarte"})), 1 - 1e-3);
 }
 
@@ -213,7 +214,7 @@ TEST(DoublePendulum, ImplicitDampingGivesTheEnergyThatIsForetold) {
 
 // To the last bit, in the middle of touches.
 TEST(Fold, GoesOnWhereItStopped) {
-  for (const std::string method : {"newton", "rattle", "baumgarte"}) {
+  for (const std::string method : {"rattle", "baumgarte"}) {
     Overrides overrides = {"method.name=" + method, "run.steps=450"};
     if (method == "rattle") overrides.push_back("method.max_sweeps=20000");
     Simulation whole(read_scene(world("fold"), overrides)), resumed(read_scene(world("fold"), overrides));

@@ -10,6 +10,8 @@
 namespace taut {
 namespace {
 
+constexpr int kSweepsOfASolve = 1000;
+
 Option tolerance_of_a_step(double& tolerance) {
   return {"tolerance",
           &tolerance,
@@ -21,7 +23,10 @@ Option order_of_extrapolation(int& extrapolation) {
       "extrapolation", &extrapolation, "order in which λ is extrapolated", {.range = {.min = 0, .max = 2}}};
 }
 Option most_solves(int& max_solves) {
-  return {"max_solves", &max_solves, "solves after which a step has failed", {.range = {.min = 1}}};
+  return {"max_solves",
+          &max_solves,
+          "solves (of one-sided bonds: thousands of sweeps) after which a step has failed",
+          {.range = {.min = 1}}};
 }
 
 }  // namespace
@@ -81,16 +86,15 @@ Baumgarte::Baumgarte(const System& sys, const Options& options, double h)
       v_half_(r_),
       r_next_(r_),
       y_(3, sys.atoms()),
-      aimed_(sys.all_bonds()),
+      target_(sys.all_bonds()),
       b_(sys.all_bonds()),
       lambda_(Eigen::VectorXd::Zero(sys.all_bonds())),
       before_(lambda_),
       before_that_(lambda_),
       corrects_(!(options.alpha_per_ps == 0 && options.beta_per_ps == 0)),
       promised_(promised_error_of(options, laws_)),
-      setting_(describe_baumgarte(options, gains_, h)) {
-  if (!sys.one_sided.empty() && options.sweeps == 0) active_set_.emplace(sys);
-}
+      by_sweeps_(options.sweeps > 0 || !sys.one_sided.empty()),
+      setting_(describe_baumgarte(options, gains_, h)) {}
 
 // λ_n from λ_{n−1}, 2λ_{n−1} − λ_{n−2} or 3λ_{n−1} − 3λ_{n−2} + λ_{n−3}, as far as they are known. One-sided bonds, whose λ
 // jumps where they touch, take the first.
@@ -116,10 +120,9 @@ SolveStats Baumgarte::add_forces(const System& sys, const Push& push, State& s) 
 }
 
 SolveStats Baumgarte::again(const System& sys, const Push& push, State& s) {
-  const SolveStats now = aim(sys, push, s);
+  const SolveStats now = set_targets(sys, push, s);
   const auto solve_for_lambda = [&] {
-    if (options_.sweeps > 0) return solve_by_sweeps(sys, push, now);
-    return active_set_ ? solve_one_sided(sys, push, now) : solve(sys, push, now);
+    return by_sweeps_ ? solve_by_sweeps(sys, push, now) : solve(sys, push, now);
   };
   SolveStats stats = solve_for_lambda();
   if (!stats.converged() && known_ > 2 && options_.extrapolation > 0) {
@@ -131,7 +134,7 @@ SolveStats Baumgarte::again(const System& sys, const Push& push, State& s) {
 }
 
 // Sets what does not depend on λ: r, v_half, (M⁻¹F)_ij, r₊ without Jᵀλ, and τ without its drive. Returns the residuals at x.
-SolveStats Baumgarte::aim(const System& sys, const Push& push, const State& s) {
+SolveStats Baumgarte::set_targets(const System& sys, const Push& push, const State& s) {
   if (push.h != h_of_laws_) laws_ = laws_of(gains_, damping_named(options_.damping), options_.gains, push.h);
   h_of_laws_ = push.h;
   differences(sys, s.x, r_);
@@ -146,10 +149,10 @@ SolveStats Baumgarte::aim(const System& sys, const Push& push, const State& s) {
     free_.col(k) = r_.col(k) + push.h * v_half_.col(k) + push.drift() * a_.col(k);
     now.see((side == 0 ? std::abs(sigma_now) : std::max(0.0, -side * sigma_now)) / (d * d), k);
     if (side == 0)
-      aimed_[k] =
+      target_[k] =
           push.starts() ? laws_[k].decay.from_rest * sigma_now : laws_[k].decay.next(sigma_now, sigma_before);
     else
-      aimed_[k] = corrects_ ? 0 : 2 * sigma_now - sigma_before;
+      target_[k] = corrects_ ? 0 : 2 * sigma_now - sigma_before;
     if (!corrects_ && side * sigma_now > 0) r_.col(k).setZero();  // slack: left out
   }
   return {.max_residual = now.value, .worst_bond = now.bond, .failure = Failure::kNoConvergence};
@@ -160,7 +163,7 @@ double Baumgarte::miss(const System& sys, const Push& push, int k) {
   const auto& [i, j, d] = sys.bond(k);
   const Vec3 y_ij = y_.col(j) - y_.col(i);
   r_next_.col(k) = free_.col(k) + push.drift() * y_ij;
-  double miss = sigma(r_next_.col(k), d) - aimed_[k];
+  double miss = sigma(r_next_.col(k), d) - target_[k];
   if (sys.side(k) == 0 && !laws_[k].drive.none()) {
     const Vec3 v = v_half_.col(k), a = a_.col(k) + y_ij;  // at the start v is of the full step
     miss -= push.starts() ? 0.5 * std::pow(push.h, 3) * (v + 0.25 * push.h * a).dot(a) : laws_[k].drive(v, a);
@@ -221,53 +224,32 @@ bool Baumgarte::has_turned() const {
                              [&](int k) { return !(r_next_.col(k).dot(r_.col(k)) > 0); });
 }
 
-// Solves A (λ_new − λ) = −(σ₊ − τ)/h², A = J(x)M⁻¹J(x)ᵀ, with the signs that one-sided bonds allow, until no bond that
-// acts misses more than the tolerance.
-SolveStats Baumgarte::solve_one_sided(const System& sys, const Push& push, SolveStats stats) {
-  while (true) {
-    y_.setZero();
-    add_constraint_acceleration(sys, r_, lambda_, y_);
-    Residual next;
-    for (int k = 0; k < sys.all_bonds(); ++k) {
-      const auto& [i, j, d] = sys.bond(k);
-      const double off = miss(sys, push, k);
-      b_[k] = r_.col(k).dot(y_.col(j) - y_.col(i)) - off / push.drift();
-      const bool slack = r_.col(k).isZero(0) || (lambda_[k] == 0 && sys.side(k) * off > 0);
-      if (!slack) next.see(std::abs(off) / (d * d), k);
-    }
-    if (stats.iterations > 0 && next.value <= options_.tolerance) stats.failure = Failure::kNone;
-    if (stats.converged()) return stats;
-    if (stats.iterations == options_.max_solves) {
-      stats.worst_bond = next.bond;
-      return stats;
-    }
-    const Failure failure = active_set_->solve(sys, r_, b_, lambda_);
-    if (failure != Failure::kNone || !(next.value < 1e3)) {
-      stats.worst_bond = failure != Failure::kNone ? active_set_->blamed() : next.bond;
-      stats.failure = failure != Failure::kNone ? failure : Failure::kRanAway;
-      return stats;
-    }
-    ++stats.iterations;
-  }
-}
-
-// Gauss–Seidel: each bond in its turn changes its own λ by −(σ₊ − τ)/(h² A'_kk), with all other λ as they are.
+// Gauss–Seidel: each bond in its turn changes its own λ by −(σ₊ − τ)/(h² A'_kk), with all other λ as they are; λ of a
+// one-sided bond keeps to its sign. Without method.sweeps this goes on until no bond misses more than the tolerance.
 SolveStats Baumgarte::solve_by_sweeps(const System& sys, const Push& push, SolveStats stats) {
+  const bool fixed = options_.sweeps > 0;
+  const int most = fixed ? options_.sweeps : kSweepsOfASolve * options_.max_solves;
   y_.setZero();
   add_constraint_acceleration(sys, r_, lambda_, y_);
-  for (int sweep = 0; sweep < options_.sweeps; ++sweep)
+  bool near = false;
+  while (stats.iterations < most && !near) {
+    Residual missed;
     for (int k = 0; k < sys.all_bonds(); ++k) {
       if (r_.col(k).isZero(0)) continue;  // left out
       const auto& [i, j, d] = sys.bond(k);
       const double off = miss(sys, push, k), w_i = sys.inv_mass[i], w_j = sys.inv_mass[j];
       const double lambda = lambda_[k] - off / (push.drift() * (w_i + w_j) * r_next_.col(k).dot(r_.col(k)));
       const double more = one_sided(sys.side(k), lambda) - lambda_[k];
+      if (more != 0) missed.see(std::abs(off) / (d * d), k);
       y_.col(i) -= w_i * more * r_.col(k);
       y_.col(j) += w_j * more * r_.col(k);
       lambda_[k] += more;
     }
-  stats.iterations = options_.sweeps;
-  stats.failure = Failure::kNone;
+    ++stats.iterations;
+    near = !fixed && missed.value <= options_.tolerance;
+    if (!fixed) stats.worst_bond = missed.bond;
+  }
+  if (fixed || near) stats.failure = Failure::kNone;
   for (int k = sys.all_bonds() - 1; k >= 0; --k)
     if (!std::isfinite(lambda_[k])) {
       stats.failure = Failure::kRanAway;

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "constraints/active_set.hpp"
 #include "constraints/direct_solver.hpp"
 #include "constraints/methods/gains.hpp"
 #include "constraints/options.hpp"
@@ -36,9 +35,8 @@ namespace taut {
 // as in rigid-body engines, and σ feeds what they leave back in the next step.
 //
 // A one-sided bond (s = 1 for a strut, −1 for a rope) keeps sσ₊ ≥ 0 with sλ ≥ 0 and λσ₊ = 0: the law at dead-beat
-// as an inequality. A' is then taken at r₊ = r, as ActiveSet needs a symmetric matrix, and solves go on until the
-// conditions hold to the tolerance. Without gains (`none`) a one-sided bond demands only s(σ₊ − 2σ + σ₋) ≥ 0 once
-// sσ ≤ 0.
+// as an inequality. All bonds are then solved by sweeps that clip its λ (projected Gauss–Seidel), until the conditions
+// hold to the tolerance. Without gains (`none`) a one-sided bond demands only s(σ₊ − 2σ + σ₋) ≥ 0 once sσ ≤ 0.
 class Baumgarte : public ConstraintMethod {
  public:
   struct Options {
@@ -81,14 +79,13 @@ class Baumgarte : public ConstraintMethod {
 
  private:
   void extrapolate();
-  SolveStats aim(const System& sys, const Push& push, const State& s);
+  SolveStats set_targets(const System& sys, const Push& push, const State& s);
   double miss(const System& sys, const Push& push, int k);
   bool is_near(double off) const;
   bool is_driven() const;
   bool has_turned() const;
   SolveStats solve(const System& sys, const Push& push, SolveStats stats);
   SolveStats solve_by_sweeps(const System& sys, const Push& push, SolveStats stats);
-  SolveStats solve_one_sided(const System& sys, const Push& push, SolveStats stats);
 
   Options options_;
   std::vector<Gains> gains_;  // m
@@ -98,14 +95,14 @@ class Baumgarte : public ConstraintMethod {
   DirectSolver solver_;
   Vectors r_, free_, a_, v_half_, r_next_;         // 3 × m; free_: r₊ without Jᵀλ; a_: (M⁻¹F)_ij
   Vectors y_;                                      // 3 × n, M⁻¹Jᵀλ
-  Eigen::VectorXd aimed_;                          // m, τ without its drive
+  Eigen::VectorXd target_;                         // m, τ without its drive
   Eigen::VectorXd b_;                              // m
   Eigen::VectorXd lambda_, before_, before_that_;  // m, of the last three steps, newest first
   int known_ = 0;                                  // how many of the three are known
   bool corrects_;
   double promised_;
+  bool by_sweeps_;  // in place of a factorization
   std::string setting_;
-  std::optional<ActiveSet> active_set_;  // only with one-sided bonds
 };
 
 // The same law with dead-beat gains, under a name of its own.

@@ -3,7 +3,6 @@
 #include <optional>
 #include <string>
 
-#include "constraints/active_set.hpp"
 #include "constraints/direct_solver.hpp"
 #include "constraints/options.hpp"
 #include "md/constraint_method.hpp"
@@ -17,8 +16,7 @@ namespace taut {
 // a Newton iteration with the symmetric matrix of the old bond vectors in place of J(x)M⁻¹J(x_old)ᵀ. Each
 // iteration reduces the error by a factor of the order of the bonds' rotation in the step. Velocities: A(x) g
 // = −J v, exact. Cost: one factorization per step (that of the velocities serves the next positions), one
-// solve per iteration and one for the velocities. With one-sided bonds an ActiveSet solves both linear
-// systems.
+// solve per iteration and one for the velocities.
 // Where a linkage passes a dead point, all its bars in a line, A is next to singular: one bond follows from the others
 // to first order. An iteration that makes the error larger is followed by those with the exact matrix, and a bond without
 // a pivot stays out of a solve. The step fails only where the error of such a bond stays.
@@ -64,17 +62,12 @@ class Newton : public ConstraintMethod {
 
  private:
   void explain_by_pivots(bool exactly, SolveStats& stats) const;
-  bool solve_one_sided(const System& sys, const Vectors& r, SolveStats& stats);
-  SolveStats project_one_sided_velocities(const System& sys, double h, State& s);
 
   Options options_;
   DirectSolver solver_;
   std::optional<DirectSolver> exact_;  // of A', once it was needed
   bool factored_ = false;
-  Eigen::VectorXd g_, dg_, lambda_;      // m
-  std::optional<ActiveSet> active_set_;  // only with one-sided bonds, as are the arrays below
-  Eigen::VectorXd total_;
-  Vectors y_;
+  Eigen::VectorXd g_, dg_, lambda_;  // m
 };
 
 }  // namespace taut

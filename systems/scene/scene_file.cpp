@@ -20,14 +20,15 @@
 namespace taut {
 namespace {
 
-// Refuses settings that do not support struts and ropes.
-void check_one_sided(const TomlTable& run, const TomlTable& method, const Scene& scene) {
+// Takes a method that holds struts and ropes where none is asked for, and refuses settings that do not support them.
+void settle_one_sided(const TomlTable& root, const TomlTable& run, Scene& scene) {
+  if (!root.has("method")) scene.method = default_options(kUsualOneSidedMethod);
   if (scene.run.minimise)
     run.fail("minimise", "moves atoms through one-sided bonds (at_least, at_most): leave it out");
   try {
     scene.method.refuse_one_sided(scene.system);
   } catch (const InputError& e) {
-    method.fail("name", e.what());
+    root.section("method").fail("name", e.what());
   }
 }
 
@@ -53,7 +54,9 @@ void note_what_is_not_balanced(Scene& scene) {
 // Another method starts from its own defaults (scene_file.hpp).
 void read_name(const TomlTable& table, MethodOptions& method) {
   std::string name(method.name());
-  table.read("name", name, {"who holds the bonds (see `taut methods`)", method_names()});
+  table.read("name", name,
+             {"who holds the bonds (see `taut methods`; without [method], rattle for one-sided bonds)",
+              method_names()});
   if (name != method.name()) method = default_options(name);
 }
 
@@ -198,7 +201,7 @@ Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::tab
   check_barostat(run_keys, scene);
   note_what_is_not_balanced(scene);
   if (!set_aside.empty()) scene.notes.push_back(set_aside);
-  if (!scene.system.one_sided.empty()) check_one_sided(run_keys, root.section("method"), scene);
+  if (!scene.system.one_sided.empty()) settle_one_sided(root, run_keys, scene);
   build_keys.reject_unknown();
   forcefield_keys.reject_unknown();
   check_tables_cover(scene.terms, scene.start.x);
