@@ -1,10 +1,8 @@
 #include "base/threads.hpp"
 
 #include <fmt/format.h>
-#include <time.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <charconv>
 #include <cstdlib>
@@ -13,7 +11,7 @@
 #include <utility>
 
 #include "base/errors.hpp"
-#include "base/thread_meter.hpp"
+#include "base/region_meter.hpp"
 
 #ifdef _OPENMP
 #include <omp.h>
@@ -81,23 +79,6 @@ std::exception_ptr run(int threads, void (*work)(const void*, int), const void* 
   return thrown;
 }
 
-double processor_time() {  // of this thread [s]
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
-}
-
-// The time between two readings of the clock in a row, which is a system call and as long as a short region.
-double reading_time() {
-  std::array<double, 101> apart;
-  for (double& t : apart) {
-    const double before = processor_time();
-    t = processor_time() - before;
-  }
-  std::nth_element(apart.begin(), apart.begin() + 50, apart.end());
-  return apart[50];
-}
-
 }  // namespace
 
 std::optional<int> asked_threads() {
@@ -155,34 +136,6 @@ RegionMeter::~RegionMeter() {
 std::exception_ptr RegionMeter::run_region(int threads, void (*work)(const void*, int),
                                            const void* argument) {
   return taut::run(threads, work, argument);
-}
-
-ThreadMeter::ThreadMeter() : reading_(reading_time()), serial_since_(processor_time()) {}
-
-double ThreadMeter::since(double start) const {
-  return std::max(0.0, processor_time() - start - reading_);
-}
-
-ThreadAccount ThreadMeter::account() const {
-  ThreadAccount so_far = total_;
-  so_far.serial += since(serial_since_);
-  return so_far;
-}
-
-std::exception_ptr ThreadMeter::run(int threads, void (*work)(const void*, int), const void* argument) {
-  const auto measured = [&](int t) {
-    const double start = processor_time();
-    work(argument, t);
-    spent_[t] = since(start);
-  };
-  spent_.assign(threads, 0);
-  total_.serial += since(serial_since_);
-  const std::exception_ptr thrown = run_region(threads, measured);
-  ++total_.regions;
-  total_.longest += *std::max_element(spent_.begin(), spent_.end());
-  for (const double s : spent_) total_.busy += s;
-  serial_since_ = processor_time();
-  return thrown;
 }
 
 }  // namespace taut

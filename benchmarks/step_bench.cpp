@@ -5,9 +5,7 @@
 // the step; kicks: both half kicks and the drift; bonded: springs, angles and torsions alone;
 // mesh: what Ewald's sum has beside the pairs, alone (pme scenes: order 4, points 0.116
 // nm apart, as GROMACS has it by default); transforms: of these the Fourier transforms of a grid of zeros,
-// there and back; account: whole steps, and in them what threads do: the processor
-// time [µs a step] of what one thread does alone (serial), of the busiest in each parallel region (longest)
-// and of all in them (busy), and regions a step; wake: a region with nothing to do. openmm: whole steps of
+// there and back; wake: a parallel region with nothing to do. openmm: whole steps of
 // OpenMM's CPU platform on the same system and threads (its leap-frog Verlet, constraints to 1e-6), where
 // taut was built with it. handover: a line of memory 1000 times from one core to another; its
 // ns_per_atom_step is one time.
@@ -21,7 +19,6 @@
 #include <atomic>
 #include <cstdlib>
 
-#include "base/thread_meter.hpp"
 #include "base/threads.hpp"
 #include "constraints/projection.hpp"
 #include "forcefield/bonded/bonded_forces.hpp"
@@ -131,19 +128,6 @@ void whole_step(benchmark::State& bench, const Setting& setting) {
   Running run(setting);
   for (auto _ : bench) run.go(kStride);
   count(bench, bench.iterations() * kStride, run.scene.system.atoms());
-}
-
-void accounted_step(benchmark::State& bench, const Setting& setting) {
-  use_threads(setting.threads);
-  Running run(setting);
-  const ThreadMeter meter;
-  for (auto _ : bench) run.go(kStride);
-  const ThreadAccount account = meter.account();
-  const double steps = double(bench.iterations() * kStride);
-  bench.counters["regions"] = double(account.regions) / steps;
-  bench.counters["serial"] = 1e6 * account.serial / steps;
-  bench.counters["longest"] = 1e6 * account.longest / steps;
-  bench.counters["busy"] = 1e6 * account.busy / steps;
 }
 
 void empty_region(benchmark::State& bench, const Setting& setting) {
@@ -302,13 +286,8 @@ void add_all() {
       if (built_with_openmm()) add("openmm", openmm_step, setting, "single");
     }
   add("handover", hand_over, {{"none", "", {}}, Precision::kDouble, 2}, "double");
-  for (const int threads : {1, 2, 4, 8, 16, 32, 64, 128}) {
-    for (const Case& what : cases())
-      for (const auto& [precision, name] :
-           {std::pair{Precision::kDouble, "double"}, {Precision::kMixed, "mixed"}})
-        add("account", accounted_step, {what, precision, threads}, name);
-    if (threads > 1) add("wake", empty_region, {{"none", "", {}}, Precision::kDouble, threads}, "double");
-  }
+  for (const int threads : {2, 4, 8, 16, 32, 64, 128})
+    add("wake", empty_region, {{"none", "", {}}, Precision::kDouble, threads}, "double");
 }
 
 }  // namespace

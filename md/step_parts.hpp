@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "base/thread_meter.hpp"
+#include "base/region_meter.hpp"
 
 namespace taut {
 

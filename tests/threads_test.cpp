@@ -18,10 +18,10 @@
 
 #include "base/errors.hpp"
 #include "base/shares.hpp"
-#include "base/thread_meter.hpp"
 #include "base/usable_cores.hpp"
 #include "error_message.hpp"
 #include "forcefield/pairs/row_shares.hpp"
+#include "md/step_parts.hpp"
 #include "md/velocity_verlet.hpp"
 #include "temporary_folder.hpp"
 
@@ -115,9 +115,9 @@ TEST(InParallel, CarriesOutAllWorkWhereItGetsFewerThreads) {
 
 // Whichever thread is first: again and again, metered and not.
 TEST(InParallel, ThrowsOnWhatTheLowestOfItsThreadsThrew) {
-  std::optional<ThreadMeter> meter;
+  std::optional<PartMeter> meter;
   for (const bool metered : {false, true}) {
-    if (metered) meter.emplace();
+    if (metered) meter.emplace(4, PartMeter::Parts::kAll);
     for (int n = 0; n < 200; ++n) {
       std::atomic<int> done = 0;
       EXPECT_EQ(error_message([&] {
@@ -132,7 +132,6 @@ TEST(InParallel, ThrowsOnWhatTheLowestOfItsThreadsThrew) {
       EXPECT_EQ(done, 4);
     }
   }
-  EXPECT_EQ(meter->account().regions, 200);
   EXPECT_THROW(in_parallel(2,
                            [](int t) {
                              if (t == 1) throw std::bad_alloc();
@@ -141,7 +140,6 @@ TEST(InParallel, ThrowsOnWhatTheLowestOfItsThreadsThrew) {
   std::atomic<int> done = 0;
   in_parallel(4, [&](int) { ++done; });
   EXPECT_EQ(done, 4);
-  EXPECT_EQ(meter->account().regions, 202);
 }
 
 TEST(InParallel, ThrowsInTheHostsOtherThreadsToo) {
@@ -153,33 +151,6 @@ TEST(InParallel, ThrowsInTheHostsOtherThreadsToo) {
     }
     return false;
   }));
-}
-
-volatile double kept = 0;
-void work(int units) {
-  for (int n = 0; n < units * 20000; ++n) kept = std::sqrt(kept + n);
-}
-
-TEST(ThreadMeter, TellsWhatOneThreadDoesFromWhatTheyShare) {
-  const Threads four(4);
-  const ThreadMeter meter;
-  work(40);
-  for (int n = 0; n < 10; ++n) in_parallel(4, [](int t) { work(t == 2 ? 6 : 2); });
-  const ThreadAccount a = meter.account();
-  EXPECT_EQ(a.regions, 10);
-  // 40 / 60 and 120 / 60, but the same work may take twice as long beside others
-  EXPECT_GT(a.serial / a.longest, 0.25);
-  EXPECT_LT(a.serial / a.longest, 1.8);
-  EXPECT_GT(a.busy / a.longest, 1.1);
-  EXPECT_LT(a.busy / a.longest, 4);
-}
-
-TEST(ThreadMeter, CountsNoRegionOfOneThread) {
-  const Threads four(4);
-  const ThreadMeter meter;
-  in_shares(1000, 600, [](const Share&) { work(1); });
-  in_shares(1200, 600, [](const Share&) { work(1); });
-  EXPECT_EQ(meter.account().regions, 1);
 }
 
 // Whose sums are shared out: all of them, by as many threads as there are.
