@@ -21,16 +21,19 @@ HWY_BEFORE_NAMESPACE();
 namespace taut::HWY_NAMESPACE {
 
 struct SweepRows {
-  double *x, *v;                   // 3 × atoms
-  double *r, *g, *inv, *relative;  // r: 3 × bonds, directions of the corrections; others: bonds
+  double *x, *v;          // 3 × atoms
+  double *r, *g, *error;  // r: 3 × bonds, directions of the corrections; others: bonds
+  double* margin;         // of positions: how far a bond is from having turned by 90°
+  double* inv_a_kk;       // of velocities, in the same place
 
   HWY_INLINE SweepRows(const AnyShape shape, Scratch scratch)
       : x(scratch.take(3 * shape.atoms())),
         v(scratch.take(3 * shape.atoms())),
         r(scratch.take(3 * shape.size())),
         g(scratch.take(shape.size())),
-        inv(scratch.take(shape.size())),
-        relative(scratch.take(shape.size())) {}
+        error(scratch.take(shape.size())),
+        margin(scratch.take(shape.size())),
+        inv_a_kk(margin) {}
 };
 
 // g = guess·λ, y += M⁻¹Jᵀg
@@ -53,7 +56,7 @@ HWY_INLINE void correct(const AnyShape shape, int k, V dg, const SweepRows rows,
 }
 
 struct SweepOfPositions {
-  // Makes one sweep. On return rows.relative has the residuals before the corrections, and rows.inv is
+  // Makes one sweep. On return rows.error has the residuals before the corrections, and rows.margin is
   // positive for bonds that have not turned by 90°. Returns the lanes in which no bond has.
   HWY_INLINE M operator()(const AnyShape shape, double tolerance, const SweepRows rows, Worst& worst) const {
     M sound = all_lanes();
@@ -61,13 +64,13 @@ struct SweepOfPositions {
       const LaneBond& bond = shape.bonds[k];
       const V3 r = difference(shape, k, rows.x);
       const V off = twice_sigma(bond, r), along = dot(r, load3(rows.r + 3 * k * kLanes));
-      const V relative = worst.include(bond, off);
-      store(relative, rows.relative + k * kLanes);
-      const auto wrong = relative > tolerance;
+      const V error = worst.include(bond, off);
+      store(error, rows.error + k * kLanes);
+      const auto wrong = error > tolerance;
       const V margin =
           hn::IfThenElse(wrong, hn::NegMulAdd(broadcast(1e-6), broadcast(bond.length2), along), broadcast(1));
       sound = hn::And(sound, margin > 0);
-      store(margin, rows.inv + k * kLanes);
+      store(margin, rows.margin + k * kLanes);
       const V dg = -0.5 * off / (bond.reduced_inv_mass * along);
       correct(shape, k, hn::IfThenElseZero(wrong, dg), rows, rows.x);
     }
@@ -83,11 +86,11 @@ struct SweepOfVelocities {
       const LaneBond& bond = shape.bonds[k];
       const V3 v = difference(shape, k, rows.v);
       const V rate = dot(load3(rows.r + 3 * k * kLanes), v);
-      const V relative = hn::Abs(rate) * (2 * h * bond.half_inv_length2);
-      worst.include(relative);
-      store(relative, rows.relative + k * kLanes);
-      const V dg = -(rate * load(rows.inv + k * kLanes));
-      correct(shape, k, hn::IfThenElseZero(relative > tolerance, dg), rows, rows.v);
+      const V error = hn::Abs(rate) * (2 * h * bond.half_inv_length2);
+      worst.include(error);
+      store(error, rows.error + k * kLanes);
+      const V dg = -(rate * load(rows.inv_a_kk + k * kLanes));
+      correct(shape, k, hn::IfThenElseZero(error > tolerance, dg), rows, rows.v);
     }
     return all_lanes();
   }
@@ -118,11 +121,11 @@ HWY_INLINE void repeat(const Sweep& sweep, const AnyShape shape, const SweepLimi
     if (!held && !turned && n < most) continue;
     SolveStats own{.iterations = n};
     if (turned)
-      name_turned(part, rows.inv, own);
+      name_turned(part, rows.margin, own);
     else if (!held && !fixed)
       own.failure = Sweep::kNoConvergence;
     if (!turned && (!own.converged() || !worst.within(stats.max_residual)))
-      record_largest(part, rows.relative, own);
+      record_largest(part, rows.error, own);
     stats.beside(own);
     return;
   }
@@ -158,7 +161,7 @@ void sweep_velocities_of(SweepBatch& batch, const SweepStep& step, const Part& p
     const V3 r = difference(shape, k, rows.x);
     store3(r, rows.r + 3 * k * kLanes);
     const V a_kk = shape.bonds[k].reduced_inv_mass * dot(r, r);
-    store(1 / a_kk, rows.inv + k * kLanes);
+    store(1 / a_kk, rows.inv_a_kk + k * kLanes);
   }
   set_out(shape, step.guess, lambda, rows, rows.v);
   repeat(SweepOfVelocities{step.h}, shape, step.limits, part, rows, stats);

@@ -4,7 +4,6 @@
 
 #include <limits>
 
-#include "constraints/active_set.hpp"
 #include "constraints/bond_algebra.hpp"
 
 namespace taut {
@@ -74,11 +73,11 @@ SolveStats PositionSweeps::run(const System& sys, double h, State& s, Eigen::Vec
     for (int k = 0; k < sys.all_bonds(); ++k) {
       const auto& [i, j, d] = sys.bond(k);
       const Vec3 r = s.x.col(j) - s.x.col(i);
-      const double sigma_k = sigma(r, d), relative = std::abs(sigma_k) / (d * d);
+      const double sigma_k = sigma(r, d), error = std::abs(sigma_k) / (d * d);
       const int side = sys.side(k);
       if (side * sigma_k > 0 && g[k] == 0) continue;  // slack
-      residual.see(relative, k);
-      if (relative <= tolerance) continue;
+      residual.see(error, k);
+      if (error <= tolerance) continue;
       const double along = r.dot(r_old_.col(k));
       if (!(along > 1e-6 * d * d)) return turned_too_far(k);
       double dg = -sigma_k / ((sys.inv_mass[i] + sys.inv_mass[j]) * along);
@@ -99,14 +98,14 @@ SolveStats PositionSweeps::run(const System& sys, double h, State& s, Eigen::Vec
 }
 
 VelocitySweeps::VelocitySweeps(const System& sys, SweepLimits limits)
-    : limits_(limits), r_(3, sys.all_bonds()), inv_(sys.all_bonds()) {}
+    : limits_(limits), r_(3, sys.all_bonds()), inv_a_kk_(sys.all_bonds()) {}
 
 SolveStats VelocitySweeps::run(const System& sys, double h, State& s, const Eigen::VectorXd& held,
                                Eigen::VectorXd& g) {
   differences(sys, s.x, r_);
   for (int k = 0; k < sys.all_bonds(); ++k) {
     const auto& [i, j, d] = sys.bond(k);
-    inv_[k] = 1 / ((sys.inv_mass[i] + sys.inv_mass[j]) * r_.col(k).squaredNorm());
+    inv_a_kk_[k] = 1 / ((sys.inv_mass[i] + sys.inv_mass[j]) * r_.col(k).squaredNorm());
   }
   for (int k = sys.bond_count(); k < sys.all_bonds(); ++k)
     if (held[k] == 0) r_.col(k).setZero();
@@ -116,11 +115,11 @@ SolveStats VelocitySweeps::run(const System& sys, double h, State& s, const Eige
     Residual residual;
     for (int k = 0; k < sys.all_bonds(); ++k) {
       const auto& [i, j, d] = sys.bond(k);
-      const double rate = r_.col(k).dot(s.v.col(j) - s.v.col(i)), relative = std::abs(rate) * h / (d * d);
+      const double rate = r_.col(k).dot(s.v.col(j) - s.v.col(i)), error = std::abs(rate) * h / (d * d);
       if (sys.side(k) * rate > 0 && g[k] == 0) continue;  // parting
-      residual.see(relative, k);
-      if (relative <= tolerance) continue;
-      double dg = -rate * inv_[k];
+      residual.see(error, k);
+      if (error <= tolerance) continue;
+      double dg = -rate * inv_a_kk_[k];
       if (sys.side(k) != 0) dg = one_sided(sys.side(k), g[k] + dg) - g[k];
       s.v.col(i) -= sys.inv_mass[i] * dg * r_.col(k);
       s.v.col(j) += sys.inv_mass[j] * dg * r_.col(k);

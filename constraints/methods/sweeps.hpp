@@ -56,8 +56,8 @@ class VelocitySweeps {
 
  private:
   SweepLimits limits_;
-  Vectors r_;            // 3 × m
-  Eigen::VectorXd inv_;  // 1/((1/m_i + 1/m_j)|r|²), m
+  Vectors r_;                 // 3 × m
+  Eigen::VectorXd inv_a_kk_;  // 1/((1/m_i + 1/m_j)|r|²), m
 };
 
 }  // namespace taut
