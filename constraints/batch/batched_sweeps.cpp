@@ -11,7 +11,7 @@
 namespace taut {
 struct SweepStep {
   SweepLimits limits;
-  double h, guess, keep;
+  double h, g_of_lambda, lambda_of_g;  // g = g_of_lambda·λ before the sweeps, λ = lambda_of_g·g after
   double *x, *v;
 };
 }  // namespace taut
@@ -36,18 +36,19 @@ struct SweepRows {
         inv_a_kk(margin) {}
 };
 
-// g = guess·λ, y += M⁻¹Jᵀg
-HWY_INLINE void set_out(const AnyShape shape, double guess, const double* lambda, const SweepRows rows,
-                        double* y) {
+// g = g_of_lambda·λ, y += M⁻¹Jᵀg
+HWY_INLINE void start_from_guess(const AnyShape shape, double g_of_lambda, const double* lambda,
+                                 const SweepRows rows, double* y) {
   for (int k = 0; k < shape.size(); ++k) {
-    const V g = guess * load(lambda + k * kLanes);
+    const V g = g_of_lambda * load(lambda + k * kLanes);
     store(g, rows.g + k * kLanes);
     add_constraint_acceleration(shape, k, g, load3(rows.r + 3 * k * kLanes), y);
   }
 }
 
-HWY_INLINE void keep(const AnyShape shape, double scale, const SweepRows rows, double* lambda) {
-  for (int k = 0; k < shape.size(); ++k) store(scale * load(rows.g + k * kLanes), lambda + k * kLanes);
+HWY_INLINE void keep_multipliers(const AnyShape shape, double lambda_of_g, const SweepRows rows,
+                                 double* lambda) {
+  for (int k = 0; k < shape.size(); ++k) store(lambda_of_g * load(rows.g + k * kLanes), lambda + k * kLanes);
 }
 
 HWY_INLINE void correct(const AnyShape shape, int k, V dg, const SweepRows rows, double* y) {
@@ -140,12 +141,12 @@ void sweep_positions_of(SweepBatch& batch, const SweepStep& step, const Part& pa
   gather(part, shape.atoms(), step.v, rows.v);
   for (int k = 0; k < shape.size(); ++k)
     store3(difference(shape, k, rows.x) - step.h * difference(shape, k, rows.v), rows.r + 3 * k * kLanes);
-  set_out(shape, step.guess, lambda, rows, rows.x);
+  start_from_guess(shape, step.g_of_lambda, lambda, rows, rows.x);
   repeat(SweepOfPositions{}, shape, step.limits, part, rows, stats);
   for (int k = 0; k < shape.size(); ++k)
     add_constraint_acceleration(shape, k, 1 / step.h * load(rows.g + k * kLanes),
                                 load3(rows.r + 3 * k * kLanes), rows.v);
-  keep(shape, step.keep, rows, lambda);
+  keep_multipliers(shape, step.lambda_of_g, rows, lambda);
   scatter(shape, part, rows.x, step.x);
   scatter(shape, part, rows.v, step.v);
 }
@@ -163,9 +164,9 @@ void sweep_velocities_of(SweepBatch& batch, const SweepStep& step, const Part& p
     const V a_kk = shape.bonds[k].reduced_inv_mass * dot(r, r);
     store(1 / a_kk, rows.inv_a_kk + k * kLanes);
   }
-  set_out(shape, step.guess, lambda, rows, rows.v);
+  start_from_guess(shape, step.g_of_lambda, lambda, rows, rows.v);
   repeat(SweepOfVelocities{step.h}, shape, step.limits, part, rows, stats);
-  keep(shape, step.keep, rows, lambda);
+  keep_multipliers(shape, step.lambda_of_g, rows, lambda);
   scatter(shape, part, rows.v, step.v);
 }
 
@@ -198,9 +199,8 @@ HWY_EXPORT(sweep_velocities);
 
 namespace {
 
-// The iteration starts from g = guess·λ and stores λ = keep·g.
-SweepStep sweeps(const SweepLimits& limits, double h, double guess, double keep, State& s) {
-  return {limits, h, guess, keep, s.x.data(), s.v.data()};
+SweepStep sweeps(const SweepLimits& limits, double h, double g_of_lambda, double lambda_of_g, State& s) {
+  return {limits, h, g_of_lambda, lambda_of_g, s.x.data(), s.v.data()};
 }
 
 }  // namespace

@@ -92,15 +92,16 @@ class Nines {
  public:
   HWY_INLINE explicit Nines(const Part& part)
       : part_(part),
-        here_(part.batch.ascending && part.places()[kWidth - 1] == part.places()[0] + 9 * (kWidth - 1)) {}
+        contiguous_(part.batch.ascending &&
+                    part.places()[kWidth - 1] == part.places()[0] + 9 * (kWidth - 1)) {}
   template <class T>
   HWY_INLINE T* open(T* array, double* copy) const {
-    if (here_) return array + part_.places()[0];
-    take(part_, array, copy);
+    if (contiguous_) return array + part_.places()[0];
+    copy_in(part_, array, copy);
     return copy;
   }
   HWY_INLINE void close(const double* copy, double* array) const {
-    if (!here_) give(part_, copy, array);
+    if (!contiguous_) copy_out(part_, copy, array);
   }
 
  private:
@@ -118,19 +119,19 @@ class Nines {
     for (int k = 0; k + kWidth <= 9; k += kWidth) store_any(load_any(from + k), to + k);
     to[8] = from[8];
   }
-  static HWY_NOINLINE void take(const Part& part, const double* array, double* copy) {
+  static HWY_NOINLINE void copy_in(const Part& part, const double* array, double* copy) {
     by_pieces(
         part, [&](int to, int from) HWY_ATTR { copy_nine(array + from, copy + to); },
         [&](int to, int from) HWY_ATTR { std::memcpy(copy + to, array + from, 3 * sizeof(double)); });
   }
-  static HWY_NOINLINE void give(const Part& part, const double* copy, double* array) {
+  static HWY_NOINLINE void copy_out(const Part& part, const double* copy, double* array) {
     by_pieces(
         part, [&](int from, int to) HWY_ATTR { copy_nine(copy + from, array + to); },
         [&](int from, int to) HWY_ATTR { std::memcpy(array + to, copy + from, 3 * sizeof(double)); });
   }
 
   const Part& part_;
-  bool here_;
+  bool contiguous_;
 };
 
 }  // namespace taut::HWY_NAMESPACE

@@ -114,7 +114,7 @@ std::vector<double> polynomials(const auto& f, const ScreeningFit& fit) {
   for (int p = 0; p < fit.intervals; ++p)
     intervals.push_back(interpolate([&](Real t) { return f(centre(fit, p) + t); }));
   const Real largest = f(0);
-  int terms = fit.terms;  // what they add falls steadily
+  int terms = fit.terms;  // of the series, whose coefficients fall steadily
   const auto matters = [&](const Series& c) { return std::abs(c[terms]) > fit.error * largest; };
   while (terms + 2 < kPoints && std::any_of(intervals.begin(), intervals.end(), matters)) terms += 2;
 

@@ -11,7 +11,7 @@ constexpr int kTogether = 6;  // clusters that seek candidates together
 
 // The mask of a cluster with itself: pairs i < j, each once. Fillers repeat the position of another atom and
 // are left out.
-std::uint16_t met_once(const AtomClusters& clusters, int cluster) {
+std::uint16_t pairs_within(const AtomClusters& clusters, int cluster) {
   unsigned mask = 0;
   for (int j = 1; j < kClusterAtoms && !clusters.filler(kClusterAtoms * cluster + j); ++j)
     for (int i = 0; i < j; ++i) mask |= 1u << (4 * i + j);
@@ -131,7 +131,7 @@ void ClusterSearch::add_row(const SearchSpace& space, int cluster, const Vec3& s
     while (first < candidates_.count && candidates_.cluster[first] <= cluster) ++first;
     const auto* own = std::find_if(seeker_.exclude, seeker_.end,
                                    [&](const MaskedCluster& other) { return other.cluster == cluster; });
-    const unsigned mask = (own != seeker_.end ? own->mask : kAll) & met_once(space.clusters, cluster);
+    const unsigned mask = (own != seeker_.end ? own->mask : kAll) & pairs_within(space.clusters, cluster);
     if (mask != 0) list.masked.push_back({cluster, mask});
   }
   list.make_room(std::size_t(row.begin) + candidates_.count + SideBySide::kSpare);
@@ -222,7 +222,7 @@ void ClusterSearch::run_all(const SearchSpace& space, int begin_cluster, int end
       row.masked_begin = static_cast<int>(list.masked.size());
       int begin = c + 1;  // of the clusters without a mask since the last with one
       for (int j = c; j < n; ++j) {
-        const unsigned mask = j == c ? mask_[j] & met_once(space.clusters, c) : mask_[j];
+        const unsigned mask = j == c ? mask_[j] & pairs_within(space.clusters, c) : mask_[j];
         if (mask == kAll) continue;
         const unsigned part = (mask >> (4 * first)) & ((1u << bits) - 1);
         if (part != 0) list.masked.push_back({j, part});
