@@ -10,7 +10,7 @@
 namespace taut {
 namespace {
 
-constexpr int kSweepsOfASolve = 1000;
+constexpr int kSweepsOfASolve = 1000;  // where bonds are one-sided
 
 Option tolerance_of_a_step(double& tolerance) {
   return {"tolerance",
@@ -23,10 +23,7 @@ Option order_of_extrapolation(int& extrapolation) {
       "extrapolation", &extrapolation, "order in which λ is extrapolated", {.range = {.min = 0, .max = 2}}};
 }
 Option most_solves(int& max_solves) {
-  return {"max_solves",
-          &max_solves,
-          "solves (of one-sided bonds: thousands of sweeps) after which a step has failed",
-          {.range = {.min = 1}}};
+  return {"max_solves", &max_solves, "solves after which a step has failed", {.range = {.min = 1}}};
 }
 
 }  // namespace
