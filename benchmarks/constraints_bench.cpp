@@ -1,11 +1,12 @@
 // What holding the bonds costs: ns per bond (per molecule for water) and step, positions and velocities
 // together, the first decile over the steps: what one takes when nothing else runs on its core. Real steps on
-// states that evolve: free flight, each stage of the step between two readings of the clock (md/timed.hpp),
+// states that evolve: free flight, each stage of the step between two readings of the clock (Timed),
 // and what the readings themselves take, found with a method that does nothing, taken off.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <functional>
 #include <vector>
 
@@ -13,7 +14,6 @@
 #include "constraints/projection.hpp"
 #include "constraints/registry.hpp"
 #include "md/diagnosis.hpp"
-#include "md/timed.hpp"
 #include "molecules.hpp"
 
 namespace taut::bench {
@@ -24,6 +24,37 @@ struct Case {
   std::function<Molecules()> make;
   double h;   // [ps]
   int units;  // bonds, or waters
+};
+
+// Measures the time that a method takes in its stages.
+class Timed : public ConstraintMethod {
+ public:
+  explicit Timed(ConstraintMethod& method) : method_(method) {}
+
+  SolveStats project_positions(const System& sys, double h, State& s) override {
+    return timed([&] { return method_.project_positions(sys, h, s); });
+  }
+  SolveStats add_forces(const System& sys, const Push& push, State& s) override {
+    return timed([&] { return method_.add_forces(sys, push, s); });
+  }
+  SolveStats project_velocities(const System& sys, double h, State& s) override {
+    return timed([&] { return method_.project_velocities(sys, h, s); });
+  }
+
+  double seconds() const { return std::chrono::duration<double>(spent_).count(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  SolveStats timed(const auto& stage) {
+    const auto start = Clock::now();
+    const SolveStats stats = stage();
+    spent_ += Clock::now() - start;
+    return stats;
+  }
+
+  ConstraintMethod& method_;
+  Clock::duration spent_{};
 };
 
 struct Free : ForceLaw {

@@ -27,7 +27,7 @@
 #include "forcefield/ewald/pme.hpp"
 #include "forcefield/force_field.hpp"
 #include "md/diagnosis.hpp"
-#include "md/timed.hpp"
+#include "md/step_parts.hpp"
 #include "studies/openmm_twin.hpp"
 #include "systems/openmm/import.hpp"
 #include "systems/scene/scene_file.hpp"
@@ -176,14 +176,10 @@ void forces_and_lists(benchmark::State& bench, const Setting& setting) {
 void bonds_alone(benchmark::State& bench, const Setting& setting) {
   use_threads(setting.threads);
   Running run(setting);
-  Timed timed(*run.method);
-  double before = 0;
   for (auto _ : bench) {
-    for (int n = 0; n < kStride; ++n)
-      demand_converged(run.scene.system, run.state,
-                       step({run.scene.system, run.forces, timed}, run.scene.run.h(), run.state), n);
-    bench.SetIterationTime(timed.seconds() - before);
-    before = timed.seconds();
+    const PartMeter meter(setting.threads, PartMeter::Parts::kBonds);
+    run.go(kStride);
+    bench.SetIterationTime(meter.seconds_of(StepPart::kBonds));
   }
   count(bench, bench.iterations() * kStride, run.scene.system.atoms());
 }
