@@ -168,7 +168,7 @@ class RowSum {
       const int v = place % kVectors, part = place / kVectors;
       const V(&r2)[1] = at.r2[place];
       V(&term)[1] = out.of[place];
-      law_.template pairs<1>(v, atoms_[v], {4 * cluster + part * S::kColumns}, r2, at.guess[place], term);
+      law_.template pairs<1>(atoms_[v], {4 * cluster + part * S::kColumns}, r2, at.guess[place], term);
       term[0] = hn::IfThenElseZero(hn::Not(r2[0] > cutoff2_), term[0]);  // NaN must show
     }
   }
@@ -255,8 +255,7 @@ constexpr auto kChoices = [] {
   } out;
   const auto add = [&](Choice choice) {
     if (choice.fine && !choice.sums() && !ScreeningIntervals<typename Shape<T>::D>::kMany) return;
-    for (const bool half : {true, false})
-      if (choice.half = half; !half || choice.split()) out.all[out.count++] = choice;
+    out.all[out.count++] = choice;
   };
   constexpr Mixing mixings[] = {Mixing::kOneSigma, Mixing::kTable, Mixing::kTwoSigmas};
   for (const bool fine : {false, true}) add({.charge = true, .fine = fine});
@@ -282,21 +281,17 @@ bool fits(const Choice& choice, const PairLaw& law, Ask ask) {
          (!choice.charge || (law.charge && choice.fine == fine));
 }
 
-template <class T, Choice choice>
-bool chosen(const PairRow& row, const PairAtoms<T>& atoms) {
+template <Choice choice>
+bool chosen(const PairRow& row) {
   if (((row.kind & kHasOtherType) == 0) != choice.one_sigma()) return false;
   if (choice.sums()) return true;
-  if ((row.kind & ~kHasOtherType) != ((choice.lj ? kHasLj : 0) | (choice.charge ? kHasCharge : 0)))
-    return false;
-  constexpr int half = PairPrecision<T>::kRowAtoms / 2;
-  const T* depth = atoms.two_sqrt_epsilon.data() + row.first + half;
-  return !choice.split() || choice.half == std::all_of(depth, depth + half, [](T of) { return of == 0; });
+  return (row.kind & ~kHasOtherType) == ((choice.lj ? kHasLj : 0) | (choice.charge ? kHasCharge : 0));
 }
 
-template <class T, Choice choice>
-HWY_INLINE void add_chosen(const ListPart& part, const PairAtoms<T>& atoms, auto& sum) {
+template <Choice choice>
+HWY_INLINE void add_chosen(const ListPart& part, auto& sum) {
   for (std::size_t r = part.begin; r < part.end; ++r)
-    if (chosen<T, choice>(part.list.rows[r], atoms)) sum.add(part.list.rows[r], part.list);
+    if (chosen<choice>(part.list.rows[r])) sum.add(part.list.rows[r], part.list);
 }
 
 template <class T, Choice choice>
@@ -304,10 +299,10 @@ HWY_NOINLINE SixSums sum_rows(const ListPart& part, const PairAtoms<T>& atoms, T
   RowSum<T, choice> sum(part.law, atoms, f);
   if constexpr (kPacksPairs<T, choice>) {
     PackedPairs<T, choice> dense(part.law, atoms.unit, sum);
-    add_chosen<T, choice>(part, atoms, dense);
+    add_chosen<choice>(part, dense);
     dense.add_forces();
   } else {
-    add_chosen<T, choice>(part, atoms, sum);
+    add_chosen<choice>(part, sum);
   }
   return sum.total();
 }

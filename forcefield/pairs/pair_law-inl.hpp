@@ -24,7 +24,6 @@ struct Choice {
   Ask ask = Ask::kForces;
   bool switched = false;  // sums: always, with S = 1 where the law has no switch
   bool fine = false;      // Ewald's screening with any number of terms
-  bool half = false;      // of a row's atoms only the first half have Lennard-Jones, as in water
 
   constexpr bool one_sigma() const { return mixing == Mixing::kOneSigma; }
   constexpr bool table() const { return mixing == Mixing::kTable; }
@@ -34,8 +33,6 @@ struct Choice {
   // What the law starts from: 1/r, for energies and switches; 1/r³, for charges; 1/r², without them.
   constexpr bool from_root() const { return switched || (charge && energy()); }
   constexpr bool from_cube() const { return charge && !from_root(); }
-  // True where rows with Lennard-Jones in one half have a kernel of their own.
-  constexpr bool split() const { return lj && charge && !table() && !switched && !sums() && !fine; }
 };
 
 // PairLaw in vectors of a Shape<T>.
@@ -108,21 +105,17 @@ class LawInLanes {
     }
   }
 
-  // −(dE/dr)/r [kJ/mol/nm²], or E [kJ/mol], of a row's vector v with K clusters' atoms from slots j on.
+  // −(dE/dr)/r [kJ/mol/nm²], or E [kJ/mol], of a row's vector with K clusters' atoms from slots j on.
   template <int K>
-  HWY_INLINE void pairs(int v, const Atoms& atoms, const std::ptrdiff_t (&j)[K], const V (&r2)[K],
-                        V (&guess)[K], V (&term)[K]) const {
+  HWY_INLINE void pairs(const Atoms& atoms, const std::ptrdiff_t (&j)[K], const V (&r2)[K], V (&guess)[K],
+                        V (&term)[K]) const {
     V coulomb[K];
     find_coulomb<K>(r2, guess, coulomb);
     for (int k = 0; k < K; ++k) {
-      const bool has_lj = choice.lj && (!choice.half || 2 * v < Shape<T>::kVectors);
-      if constexpr (choice.half && Shape<T>::kVectors == 1)
-        term[k] = half_lennard_jones(atoms, j[k], r2[k], guess[k]);
-      else if constexpr (choice.lj)
-        if (has_lj) term[k] = lennard_jones(atoms, column(j[k]), r2[k], guess[k]);
+      if constexpr (choice.lj) term[k] = lennard_jones(atoms, column(j[k]), r2[k], guess[k]);
       if constexpr (choice.charge) {
         const V qq = atoms.q * load_columns(D(), charge_ + j[k]);
-        term[k] = has_lj ? hn::MulAdd(qq, coulomb[k], term[k]) : qq * coulomb[k];
+        term[k] = choice.lj ? hn::MulAdd(qq, coulomb[k], term[k]) : qq * coulomb[k];
       }
     }
   }
@@ -242,24 +235,6 @@ class LawInLanes {
     if constexpr (!choice.energy()) return slope;
     return choice.table() ? energy : energy + energy_shift_ * four_eps;
   }
-
-  // Without a switch, of the lower half.
-#if HWY_TARGET != HWY_SCALAR
-  HWY_INLINE V half_lennard_jones(const Atoms& atoms, std::ptrdiff_t j, V r2, V inv_r3) const {
-    const hn::Half<D> d;
-    const auto low = [d](V v) { return hn::LowerHalf(d, v); };
-    const auto inv_r6 = low(inv_r3) * low(inv_r3), inv_r4 = inv_r6 * low(r2);
-    if constexpr (!choice.one_sigma()) {
-      const auto sigma = low(atoms.half_sigma) + load_columns(d, half_sigma_ + j), sigma2 = sigma * sigma,
-                 s6 = sigma2 * sigma2 * sigma2 * inv_r6,
-                 four_eps = low(atoms.eps) * load_columns(d, two_sqrt_epsilon_ + j),
-                 slope = four_eps * s6 * (T(kTwelve) * s6 - T(kSix));
-      return hn::ZeroExtendVector(D(), slope * (inv_r4 * low(r2)));
-    }
-    return hn::ZeroExtendVector(D(), inv_r4 * (inv_r4 * load_columns(d, two_sqrt_epsilon_ + j)) *
-                                         (low(atoms.repulsion) * inv_r6 - low(atoms.attraction)));
-  }
-#endif
 
   // S = 1 − u³(10 − 15u + 6u²), S' = −30 (u − u²)²; the force gains −E S'/r
   HWY_INLINE void apply_switch(V r2, V inv_r, V& slope, V& energy) const {
