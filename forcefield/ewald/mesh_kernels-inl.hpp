@@ -118,7 +118,7 @@ struct GridLine {
     for (int k = 0; k < kVectors; ++k) line.v[k] = hn::LoadU(D(), p + k * kLanes);
     return line;
   }
-  // An atom's, in fours.
+  // The weights of atom a, which are stored in vectors of four.
   static HWY_INLINE GridLine from(const Fours* fours, int a) {
     GridLine line;
 #if HWY_TARGET != HWY_SCALAR
