@@ -31,7 +31,7 @@ def crosscheck(tables: Mapping[str, Table], width_mm: int, title: str) -> Any:
     groups = groups_of(runs, methods)
     looks = {name: curve for group in groups for name, curve in looks_of(group, methods).items()}
     columns = len(groups) if width_mm > 100 else 1
-    page = Page(len(quantities) * len(groups), width_mm, columns=columns if width_mm > 100 else 2, height_mm=46, title=title)
+    page = Page(len(quantities) * len(groups), width_mm, columns=columns, height_mm=46 if width_mm > 100 else 38, title=title)
     order = [(row, group) for row in range(len(quantities)) for group in groups] if columns > 1 else \
         [(row, group) for group in groups for row in range(len(quantities))]
     explained = max([t[names == name].max() for name in runs if " moved " in name], default=t.max())
