@@ -36,7 +36,7 @@ constexpr AtomColumns kAtomColumns[] = {{"atomic", "type x y z", 1, 0, 2},
 
 class LammpsScene {
  public:
-  LammpsScene(const LammpsRows& rows, Scene& scene, const Listen& listen)
+  LammpsScene(const LammpsRows& rows, const LammpsPairRows& pairs, Scene& scene, const Listen& listen)
       : rows_(rows), keys_(rows.keys), said_(rows.said), data_(rows.data), scene_(scene) {
     using Part = LammpsScene;
     for (const auto read : {&Part::read_atoms, &Part::read_velocities, &Part::read_bonds, &Part::read_angles,
@@ -47,7 +47,7 @@ class LammpsScene {
     scene.system = make_system(mass_, bonds_);
     hear(listen);
     make_whole(scene.start.box, tethers(scene.system, scene.terms), scene.start.x);
-    read_lammps_pairs(rows, {type_, charge_, fene_.empty()}, scene);
+    read_lammps_pairs(rows, pairs, {type_, charge_, fene_.empty()}, scene);
     name_atoms();
   }
 
@@ -295,14 +295,15 @@ void build_lammps(const BuildRequest& request, Scene& scene) {
                           {"the force between atoms: purely repulsive, or not", {"wca", "lennard-jones"}});
   if (request.keys.describing()) return read_cutoff(request.forcefield, {}, scene.terms.nonbonded.emplace());
   const LammpsRows rows{request.keys, said, read_lammps_data(said.file, request.listen)};
-  const LammpsScene built(rows, scene, request.listen);
+  const LammpsPairRows pairs = read_lammps_pair_rows(rows);
+  const LammpsScene built(rows, pairs, scene, request.listen);
   if (pair == "wca") {
     if (!scene.terms.nonbonded)
       request.forcefield.fail("pair", "no atom type has an ε: there are no pair forces");
     make_repulsive(request.forcefield, scene.terms);
   }
   built.check_fene(request.forcefield);
-  read_lammps_cutoffs(rows, request.forcefield, scene);
+  read_lammps_cutoffs(rows, pairs, request.forcefield, scene);
 }
 
 }  // namespace taut

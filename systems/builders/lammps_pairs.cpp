@@ -18,25 +18,28 @@ const std::vector<LammpsStyle> kPairStyles = {{"lj/cut", "epsilon sigma [cutoff]
                                               {"lj/cut/coul/cut", "epsilon sigma [cutoff] [coulomb_cutoff]"},
                                               {"lj/cut/coul/long", "epsilon sigma [cutoff]"}};
 
-// A row of Pair Coeffs, of a type with itself, or of PairIJ Coeffs.
-struct PairEntry {
-  const LammpsData::Entry* entry;
-  int i, j;                     // types, from 0
-  double epsilon, sigma;        // [kJ/mol], [nm]
-  std::vector<double> cutoffs;  // of Lennard-Jones, and of Coulomb; empty: those of pair_style
-};
+// LAMMPS's neighbours along a molecule follow its bonds alone, not the distances that hold an angle.
+Molecule bonded_alone(const LammpsRows& rows, const Scene& scene) {
+  Molecule all;
+  all.system = scene.system;
+  all.terms.bonds = scene.terms.bonds;
+  all.terms.fene = scene.terms.fene;
+  std::set<std::pair<int, int>> bonded;
+  for (const auto& entry : rows.data.section("Bonds").entries)
+    bonded.insert(std::minmax(rows.atom(entry, 2), rows.atom(entry, 3)));
+  const auto is_none = [&](const auto& b) { return !bonded.contains(std::minmax(b.i, b.j)); };
+  std::erase_if(all.system.bonds, is_none);
+  std::erase_if(all.terms.bonds, is_none);
+  return all;
+}
 
-struct PairRows {
-  std::string style;
-  bool mixes = true;  // false: the file has every two types
-  std::vector<PairEntry> all;
-};
+}  // namespace
 
-PairRows read_rows(const LammpsRows& rows) {
-  PairRows read;
+LammpsPairRows read_lammps_pair_rows(const LammpsRows& rows) {
+  LammpsPairRows read;
   const long types = rows.data.count("atom types");
   const auto add = [&](const LammpsData::Entry& entry, std::size_t named) {
-    PairEntry pair{};
+    LammpsPairRow pair{};
     pair.entry = &entry;
     pair.i = rows.data.index(entry, 0, "an atom type", types) - 1;
     pair.j = rows.data.index(entry, named - 1, "an atom type", types) - 1;
@@ -70,28 +73,11 @@ PairRows read_rows(const LammpsRows& rows) {
   return read;
 }
 
-// LAMMPS's neighbours along a molecule follow its bonds alone, not the distances that hold an angle.
-Molecule bonded_alone(const LammpsRows& rows, const Scene& scene) {
-  Molecule all;
-  all.system = scene.system;
-  all.terms.bonds = scene.terms.bonds;
-  all.terms.fene = scene.terms.fene;
-  std::set<std::pair<int, int>> bonded;
-  for (const auto& entry : rows.data.section("Bonds").entries)
-    bonded.insert(std::minmax(rows.atom(entry, 2), rows.atom(entry, 3)));
-  const auto is_none = [&](const auto& b) { return !bonded.contains(std::minmax(b.i, b.j)); };
-  std::erase_if(all.system.bonds, is_none);
-  std::erase_if(all.terms.bonds, is_none);
-  return all;
-}
-
-}  // namespace
-
-void read_lammps_pairs(const LammpsRows& rows, const LammpsAtoms& atoms, Scene& scene) {
-  const PairRows read = read_rows(rows);
+void read_lammps_pairs(const LammpsRows& rows, const LammpsPairRows& read, const LammpsAtoms& atoms,
+                       Scene& scene) {
   const auto types = rows.data.count("atom types");
   Eigen::MatrixXd sigma = Eigen::MatrixXd::Ones(types, types), epsilon = Eigen::MatrixXd::Zero(types, types);
-  for (const PairEntry& pair : read.all) {
+  for (const LammpsPairRow& pair : read.all) {
     sigma(pair.i, pair.j) = sigma(pair.j, pair.i) = pair.sigma;
     epsilon(pair.i, pair.j) = epsilon(pair.j, pair.i) = pair.epsilon;
   }
@@ -136,31 +122,31 @@ void read_lammps_pairs(const LammpsRows& rows, const LammpsAtoms& atoms, Scene& 
   }
 }
 
-void read_lammps_cutoffs(const LammpsRows& rows, const TomlTable& forcefield, Scene& scene) {
+void read_lammps_cutoffs(const LammpsRows& rows, const LammpsPairRows& read, const TomlTable& forcefield,
+                         Scene& scene) {
   constexpr double kDecimals = 1e-5;  // of 2^(1/6) as people write it
-  const PairRows read = read_rows(rows);
   const auto& wca = scene.terms.wca;
   auto& pairs = scene.terms.nonbonded;
-  const auto check = [&](const PairEntry& pair, double cutoff, double expected, const std::string& what) {
+  const auto check = [&](const LammpsPairRow& pair, double cutoff, double expected, const std::string& what) {
     if (std::abs(cutoff - expected) > kDecimals * expected)
       rows.data.fail(pair.entry->line, fmt::format("a pair cut off at {:.6g} nm, expected {:.6g} nm, {}",
                                                    cutoff, expected, what));
   };
   // Calls act for the cutoffs of each pair that has a force.
   const auto each = [&](const auto& act) {
-    for (const PairEntry& pair : read.all)
+    for (const LammpsPairRow& pair : read.all)
       for (std::size_t k = 0; k < pair.cutoffs.size(); ++k)
         if (k == 1 || pair.epsilon != 0) act(pair, pair.cutoffs[k], k == 0 && wca);
   };
-  each([&](const PairEntry& pair, double cutoff, bool of_wca) {
+  each([&](const LammpsPairRow& pair, double cutoff, bool of_wca) {
     if (of_wca) check(pair, cutoff, wca->cutoff(), "where pair = \"wca\" has its minimum");
   });
   if (!pairs) return;
-  each([&](const PairEntry&, double cutoff, bool of_wca) {
+  each([&](const LammpsPairRow&, double cutoff, bool of_wca) {
     if (!of_wca && !pairs->cutoff) pairs->cutoff = cutoff;
   });
   read_cutoff(forcefield, scene.start.box, *pairs);
-  each([&](const PairEntry& pair, double cutoff, bool of_wca) {
+  each([&](const LammpsPairRow& pair, double cutoff, bool of_wca) {
     if (!of_wca)
       check(pair, cutoff, pairs->cutoff.value_or(0),
             forcefield.has("cutoff_nm")
