@@ -89,6 +89,10 @@ TEST(SceneErrors, MethodKeysWithoutEffect) {
   };
   EXPECT_EQ(idle({"method.reduction=0.1"}), "with method.gains = \"rattle\" or \"swept\"");
   EXPECT_EQ(idle({"method.gains=rattle", "method.reduction=0.1"}), "no error");
+  EXPECT_THAT(complaint(kGood.text, {"method.gains=rattle", "method.reduction=0"}),
+              testing::AllOf(HasSubstr("method.reduction"), HasSubstr("more than 0 and less than 1")));
+  EXPECT_EQ(idle({"method.gains=hoomd", "method.damping=centred"}),
+            "with other gains than \"hoomd\", whose drive is its own");
   EXPECT_EQ(idle({"method.stiffness=1e5"}), "with method.gains = \"physical\"");
   EXPECT_EQ(idle({"method.gains=physical", "method.stiffness=1e5"}), "no error");
   EXPECT_EQ(idle({"method.gains=physical", "method.stiffness=1e5", "method.beta_per_ps=1"}),
