@@ -117,9 +117,22 @@ py::tuple read_coordinate_file(const std::filesystem::path& path) {
   return py::make_tuple(rows_of(read.x), v, box, read.note);
 }
 
+using Rows = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+// Positions, (n, 3), moved by the box's vectors, in rows, so that atoms of a pair are nearest images.
+py::array_t<double> whole(const Rows& positions, const Rows& box,
+                          const std::vector<std::array<int, 2>>& pairs) {
+  std::vector<Tether> tethers;
+  for (const auto& [i, j] : pairs) tethers.push_back({i, j, Tether::By::kBond});
+  Vectors x = Eigen::Map<const Vectors>(positions.data(), 3, positions.shape(0));
+  make_whole(Box::of(Eigen::Map<const Eigen::Matrix3d>(box.data())), tethers, x);
+  return rows_of(x);
+}
+
 }  // namespace
 
 void bind_trajectory_files(py::module_& m) {
+  m.def("make_whole", whole);
   m.def("read_coordinates", [](const std::string& path) { return read_coordinate_file(path); });
   py::class_<TrajectoryFile>(m, "TrajectoryFile")
       .def(py::init<PythonSimulation&, const std::string&, const std::string&, long, std::vector<int>>())

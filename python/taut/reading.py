@@ -3,7 +3,7 @@
 import os
 import warnings
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Tuple, Union
+from typing import Any, Dict, Optional, Tuple, Union
 
 import numpy as np
 
@@ -18,7 +18,7 @@ _COORDINATES = {"GROMACS": (".gro",), "Amber": (".inpcrd", ".rst7", ".restrt", "
 
 
 def _whole(system: Any, positions: Any, box: Any) -> Any:
-    """Returns positions moved by the box's vectors so that bonded atoms are near: files are often wrapped atom by atom."""
+    """Returns positions moved by the box's vectors so that molecules are whole: files are often wrapped atom by atom."""
     from openmm import HarmonicBondForce
 
     pairs = [system.getConstraintParameters(k)[:2] for k in range(system.getNumConstraints())]
@@ -27,28 +27,8 @@ def _whole(system: Any, positions: Any, box: Any) -> Any:
             pairs += [force.getBondParameters(k)[:2] for k in range(force.getNumBonds())]
     pairs += [(system.getVirtualSite(a).getParticle(0), a) for a in range(system.getNumParticles())
               if system.isVirtualSite(a)]
-    x = np.array([list(bare(row, "nm")) for row in positions])
-    edges = np.array([list(bare(row, "nm")) for row in box])
-    if not pairs or (abs(x[[p[0] for p in pairs]] - x[[p[1] for p in pairs]]) < edges.diagonal() / 2).all():
-        return positions
-    near: List[List[int]] = [[] for _ in x]
-    for one, two in pairs:
-        near[one].append(two)
-        near[two].append(one)
-    placed = [False] * len(x)
-    for root in range(len(x)):
-        open_ends = [] if placed[root] else [root]
-        placed[root] = True
-        while open_ends:
-            at = open_ends.pop()
-            for to in near[at]:
-                if placed[to]:
-                    continue
-                for k in (2, 1, 0):
-                    x[to] -= edges[k] * np.round((x[to] - x[at])[k] / edges[k, k])
-                placed[to] = True
-                open_ends.append(to)
-    return x
+    x, edges = (np.array([list(bare(row, "nm")) for row in rows]) for rows in (positions, box))
+    return _core.make_whole(x, edges, pairs)
 
 
 def read(topology: PathLike, coordinates: PathLike, *, cutoff_nm: float = 1.0, coulomb: str = "pme",
