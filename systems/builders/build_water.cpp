@@ -88,7 +88,7 @@ class WaterSource {
       density_ = (density ? *density : keys_.get<double>("density_g_cm3")) * kGramPerCm3 / model.mass();
       return;
     }
-    if (!keep_atoms(*start_)) keys_.fail("start", "expected waters: O, H, H, ...");
+    if (!remove_sites(*start_)) keys_.fail("start", "expected waters: O, H, H, ...");
     if (keys_.has("density_g_cm3")) keys_.fail("density_g_cm3", "build.start has a density of its own");
     density_ = static_cast<double>(molecules_of_start()) / start_->box.volume();
   }

@@ -66,7 +66,7 @@ State thinned(const State& waters, long surplus) {
 
 }  // namespace
 
-bool keep_atoms(State& waters) {
+bool remove_sites(State& waters) {
   Vectors& x = waters.x;
   Eigen::Index each = 0;
   while (each < x.cols() && (x.col(each) - x.col(0)).norm() < kNearest) ++each;

@@ -12,7 +12,7 @@ namespace taut {
 
 // Removes the sites of any water model, which follow each molecule's atoms. Returns false if these are not
 // waters.
-bool keep_atoms(State& waters);
+bool remove_sites(State& waters);
 
 // Repeats a box n times along each edge, with every O in its image of the box.
 State tiled(const State& unit, int n);
