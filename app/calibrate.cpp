@@ -5,15 +5,16 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "base/words.hpp"
 #include "command_line.hpp"
 #include "commands.hpp"
 #include "files/atomic_file.hpp"
 #include "printing.hpp"
 #include "scene_argument.hpp"
 #include "studies/compared_methods.hpp"
+#include "studies/openmm_twin.hpp"
 #include "studies/study_scene.hpp"
 #include "study.hpp"
-#include "words.hpp"
 
 namespace taut {
 namespace {
@@ -35,14 +36,14 @@ void print_course(const std::string& name, const std::vector<double>& values) {
 
 // Prints the error that so many sweeps leave in theory, and the measured one, of each kind of cluster.
 void print_shapes(const Calibration& c) {
-  constexpr std::size_t kMost = 6;
-  for (std::size_t n = 0; n < std::min(c.shapes.size(), kMost); ++n) {
+  constexpr long kMost = 6;
+  for (std::size_t n = 0; n < std::min<std::size_t>(c.shapes.size(), kMost); ++n) {
     say("  {} in {}\n", c.reference_method, c.shapes[n].name);
     print_course("  in theory", c.shapes[n].foretold);
     print_course("  measured", c.shapes[n].measured);
   }
-  if (c.shapes.size() > kMost)
-    say("  and {} more kinds of clusters (--json has all)\n", c.shapes.size() - kMost);
+  if (std::ssize(c.shapes) > kMost)
+    say("  and {} more of clusters (--json has all)\n", counted(std::ssize(c.shapes) - kMost, "kind"));
 }
 
 // Returns the command that runs the scene with a method, or sets it beside OpenMM.
@@ -91,7 +92,8 @@ void print(const Scene& scene, const CalibrateArguments& arguments, const Calibr
     say("\n{}\n", wrapped(verdict_of(compared, scene.run.dt_fs), kPage, 2));
     if (const ComparedMethod* best = best_of(compared)) {
       taken = best->method;
-      say("  {}\n  {}\n", run_line(arguments, taken), run_line(arguments, taken, "crosscheck"));
+      say("  {}\n", run_line(arguments, taken));
+      if (built_with_openmm()) say("  {}\n", run_line(arguments, taken, "crosscheck"));
     }
     print_compared(compared);
     say("\n{}\n",
@@ -176,11 +178,8 @@ void calibrate_scene(const CalibrateArguments& arguments) {
   for (const ShapeCourse& shape : c.shapes)
     json["shapes"].push_back(
         {{"name", shape.name}, {"foretold", shape.foretold}, {"measured", shape.measured}});
-  const std::string text = json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
-  if (json_alone()) return write_out(text);
-  AtomicFile file(*arguments.json);
-  file.write(text);
-  file.commit();
+  if (json_alone()) return write_json(json);
+  write_file(*arguments.json, json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace

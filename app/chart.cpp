@@ -7,13 +7,13 @@
 #include <map>
 
 #include "base/errors.hpp"
+#include "base/words.hpp"
 #include "measures/csv.hpp"
 #include "printing.hpp"
 #include "studies/chart_study.hpp"
 #include "studies/chart_verdict.hpp"
 #include "study.hpp"
 #include "systems/scene/scene_file.hpp"
-#include "words.hpp"
 
 namespace taut {
 namespace {

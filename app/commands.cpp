@@ -14,10 +14,10 @@
 #include "base/errors.hpp"
 #include "base/nearest_name.hpp"
 #include "base/threads.hpp"
+#include "base/words.hpp"
 #include "constraints/registry.hpp"
 #include "generated.hpp"
 #include "printing.hpp"
-#include "words.hpp"
 
 namespace taut {
 namespace {

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "base/errors.hpp"
+#include "base/words.hpp"
 #include "command_line.hpp"
 #include "commands.hpp"
 #include "measures/csv.hpp"
@@ -23,7 +24,6 @@
 #include "systems/lammps/write_data.hpp"
 #include "systems/openmm/export.hpp"
 #include "systems/openmm/import.hpp"
-#include "words.hpp"
 
 namespace taut {
 namespace {

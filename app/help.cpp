@@ -12,11 +12,11 @@
 
 #include "base/errors.hpp"
 #include "base/nearest_name.hpp"
+#include "base/words.hpp"
 #include "commands.hpp"
 #include "printing.hpp"
 #include "systems/builders/builders.hpp"
 #include "systems/scene/scene_file.hpp"
-#include "words.hpp"
 
 namespace taut {
 namespace {
@@ -149,7 +149,7 @@ void help(const HelpArguments& arguments, const Commands& commands) {
   if (json_alone()) {
     auto json = nlohmann::ordered_json::array();
     for (const Key& key : arguments.names.empty() ? all : keys) json.push_back(key_json(key));
-    return write_out(json.dump(2) + "\n");
+    return write_json(json);
   }
   for (const Key& key : keys) say_text(key_text(key, terminal_width()));
   if (std::ranges::count(arguments.names, "run")) say("(the command: taut run --help)\n");

@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "base/words.hpp"
 #include "command_line.hpp"
 #include "commands.hpp"
 #include "help.hpp"
@@ -13,7 +14,6 @@
 #include "scene_argument.hpp"
 #include "simulation/temperatures.hpp"
 #include "systems/builders/biases.hpp"
-#include "words.hpp"
 
 namespace taut {
 namespace {
@@ -136,9 +136,7 @@ void info(const InfoArguments& arguments) {
   KeysRead read;
   const Scene scene = arguments.read(&read);
   const std::vector<Key> keys = in_force(read, arguments);
-  if (json_alone())
-    return write_out(as_json(scene, keys).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
-                     "\n");
+  if (json_alone()) return write_json(as_json(scene, keys));
   print_title(scene);
   const System& sys = scene.system;
   const auto line = [](const char* what, const std::vector<std::string>& all) {

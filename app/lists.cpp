@@ -3,11 +3,11 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "base/words.hpp"
 #include "commands.hpp"
 #include "constraints/registry.hpp"
 #include "printing.hpp"
 #include "systems/scene/scene_file.hpp"
-#include "words.hpp"
 
 namespace taut {
 namespace {
@@ -52,7 +52,7 @@ void print_methods(const ListArguments& arguments) {
     else
       print(*method);
   }
-  if (json_alone()) write_out(json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+  if (json_alone()) write_json(json);
 }
 
 void print_scenes(const ListArguments& arguments) {
@@ -68,7 +68,7 @@ void print_scenes(const ListArguments& arguments) {
     if (*folder.title) say("\n{}:\n", folder.title);
     say_text(table_text(rows, terminal_width()));
   }
-  if (json_alone()) write_out(json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+  if (json_alone()) write_json(json);
 }
 
 }  // namespace

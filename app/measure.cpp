@@ -2,19 +2,18 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "base/errors.hpp"
+#include "base/words.hpp"
 #include "commands.hpp"
 #include "files/folder.hpp"
-#include "measure_groups.hpp"
+#include "measured_groups.hpp"
 #include "printing.hpp"
-#include "scan_folder.hpp"
+#include "run_measured.hpp"
 #include "study.hpp"
-#include "zero_steps.hpp"
 
 namespace taut {
 namespace {
@@ -37,11 +36,9 @@ struct MeasureArguments {
       settings.automatic = true;
       return settings;
     }
-    double ps = 0;
-    const auto [end, error] = std::from_chars(from->data(), from->data() + from->size(), ps);
-    if (error != std::errc() || end != from->data() + from->size() || !std::isfinite(ps))
+    settings.from = number_in(*from);
+    if (!settings.from || !std::isfinite(*settings.from))
       throw InputError(fmt::format("--from {}: expected a time in ps, or auto", *from));
-    settings.from = ps;
     return settings;
   }
 };
@@ -59,9 +56,8 @@ void write_files(const MeasureArguments& arguments, const auto& draw) {
 
 // One run, in one folder or in segments.
 void measure_one(const MeasureArguments& arguments, const MeasuredRun& run) {
-  run.print();
-  if (json_alone())
-    write_out(run.json().dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+  print_run(run);
+  if (json_alone()) write_json(run.json());
   if (!arguments.out) return;
   write_files(arguments, [&](StudyFiles& files) {
     std::string csv = "figure,value,standard_error\n";
@@ -72,27 +68,13 @@ void measure_one(const MeasureArguments& arguments, const MeasuredRun& run) {
   });
 }
 
-void measure_groups(const MeasureArguments& arguments, const std::vector<RunGroup>& groups) {
-  for (const RunGroup& group : groups) print_group(group);
-  const std::vector<ZeroSteps> zero_steps = at_zero_step(groups);
-  for (const ZeroSteps& of : zero_steps) print_zero_steps(of);
+void show_groups(const MeasureArguments& arguments, const MeasuredGroups& all, const Notes& notes) {
+  all.print(notes);
   if (json_alone()) {
-    nlohmann::ordered_json json = nlohmann::ordered_json::array();
-    for (const RunGroup& group : groups) json.push_back(json_of(group));
-    for (const ZeroSteps& of : zero_steps) json.push_back(json_of(of));
-    write_out((groups.size() == 1 && groups[0].values.empty() ? json[0] : json)
-                  .dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
-              "\n");
+    const bool one = all.groups.size() == 1 && all.groups[0].values.empty();
+    write_json(one ? json_of(all.groups[0]) : all.json());
   }
-  if (!arguments.out) return;
-  write_files(arguments, [&](StudyFiles& files) {
-    if (groups.size() == 1 && groups[0].values.empty())
-      files.draw({"each_run", groups[0].label + ": each run, and their mean; bars: standard errors",
-                  each_run_csv(groups[0])});
-    else
-      draw_scan(files, groups);
-    if (!zero_steps.empty()) files.write(kZeroSteps, zero_steps_csv(zero_steps));
-  });
+  if (arguments.out) write_files(arguments, [&](StudyFiles& files) { all.draw(files); });
 }
 
 void measure(const MeasureArguments& arguments) {
@@ -105,14 +87,16 @@ void measure(const MeasureArguments& arguments) {
   }
   const bool scans = std::ranges::any_of(folders, is_scan);
   if (scans && folders.size() > 1) throw InputError("a scan is measured alone: give its folder and no other");
+  Notes notes;
   if (scans) {
-    return measure_groups(arguments, measure_scan(folders[0], settings));
+    const MeasuredGroups all{measure_scan(folders[0], settings, notes)};
+    return show_groups(arguments, all, notes);
   }
   if (folders.size() == 1 || arguments.join) return measure_one(arguments, MeasuredRun(folders, settings));
   std::vector<RunGroup> groups;
-  groups.push_back(measure_group("", folders, settings));
+  groups.push_back(measure_group("", folders, settings, notes));
   groups[0].label = groups[0].runs.front().scene().name;
-  measure_groups(arguments, groups);
+  show_groups(arguments, {std::move(groups)}, notes);
 }
 
 }  // namespace

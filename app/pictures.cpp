@@ -4,9 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "base/errors.hpp"
 #include "command_line.hpp"
@@ -31,12 +29,6 @@ std::string last_line(std::string text) {
 
 }  // namespace
 
-std::string contents_of(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
-
 std::vector<std::string> files_of_picture(const std::string& name) {
   return {name + ".csv", name + ".pdf", name + ".svg", name + ".png"};
 }
@@ -47,9 +39,7 @@ void PictureOptions::offer(const Subcommand& command) {
 }
 
 void StudyFiles::write(const std::string& name, const std::string& text) {
-  AtomicFile aside(folder_ / name);
-  aside.write(text);
-  aside.commit();
+  write_file(folder_ / name, text);
   if (std::ranges::find(written_, name) == written_.end()) written_.push_back(name);
 }
 

@@ -6,16 +6,9 @@
 #include <vector>
 
 #include "commands.hpp"
+#include "measures/picture.hpp"
 
 namespace taut {
-
-// A picture is drawn from NAME.csv, by what share/taut/pictures has for its name.
-struct Picture {
-  std::string name;
-  std::string title;
-  std::string csv;
-  std::map<std::string, std::string> beside = {};  // further tables that it shows, by their names
-};
 
 // Said with --size and --format.
 struct PictureOptions {
@@ -58,8 +51,5 @@ class StudyFiles {
 
 // The files that a picture may leave in a folder.
 std::vector<std::string> files_of_picture(const std::string& name);
-
-// Returns the contents of a file, or nothing if it does not exist.
-std::string contents_of(const std::filesystem::path& file);
 
 }  // namespace taut

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <array>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -6,9 +8,10 @@
 #include "command_line.hpp"
 #include "commands.hpp"
 #include "files/folder.hpp"
+#include "files/text_file.hpp"
+#include "measures/scan_folder.hpp"
 #include "printing.hpp"
 #include "run_picture.hpp"
-#include "scan_folder.hpp"
 
 namespace taut {
 namespace {
@@ -18,7 +21,7 @@ namespace fs = std::filesystem;
 struct PlotArguments {
   std::vector<std::string> folders;
   std::optional<std::filesystem::path> out;
-  long frames = kMostFramesDrawn;
+  std::optional<long> frames;
   PictureOptions pictures;
   std::vector<std::string> panels;
   bool overwrite = false;
@@ -33,8 +36,10 @@ constexpr std::array kTables = {"work",       "drift",     "order",         "len
 bool draw_again(const PlotArguments& arguments) {
   const fs::path folder = arguments.folders[0];
   if (arguments.folders.size() > 1 || fs::exists(folder / "log.csv") || is_scan(folder)) return false;
-  if (!arguments.panels.empty())
-    throw InputError("--panels: counts only with runs, a study's tables have one picture each");
+  for (const auto& [option, given] :
+       {std::pair("--panels", !arguments.panels.empty()), {"--frames", arguments.frames.has_value()}})
+    if (given)
+      throw InputError(fmt::format("{}: needs runs; these are tables, with one picture each", option));
   StudyFiles files(arguments.out.value_or(folder), arguments.pictures);
   bool any = false;
   for (const char* name : kTables)
@@ -44,20 +49,21 @@ bool draw_again(const PlotArguments& arguments) {
       files.draw({name, "", csv, {{"limits", contents_of(folder / "limits.csv")}}});
     }
   if (any) files.print_written();
-  if (any && json_alone()) write_out(nlohmann::ordered_json{{"out", files.folder().string()}}.dump(2) + "\n");
+  if (any && json_alone()) write_json({{"out", files.folder().string()}});
   return any;
 }
 
 void plot(const PlotArguments& arguments) {
   if (draw_again(arguments)) return;
-  if (arguments.frames < 0) throw InputError("--frames: expected a number of frames, or 0 for all");
+  if (arguments.frames.value_or(0) < 0)
+    throw InputError("--frames: expected a number of frames, or 0 for all");
   PlotRequest request{.runs = {},
                       .out = {},
                       .command = "taut plot",
                       .pictures = arguments.pictures,
                       .panels = arguments.panels,
                       .overwrite = arguments.overwrite,
-                      .most_frames = arguments.frames};
+                      .most_frames = arguments.frames.value_or(kMostFramesDrawn)};
   for (const std::string& folder : arguments.folders) {
     request.command += " " + quoted_for_shell(folder);
     if (!is_scan(folder)) {
@@ -71,7 +77,7 @@ void plot(const PlotArguments& arguments) {
   if (request.runs.empty()) throw InputError(arguments.folders[0] + ": no run of the scan is finished");
   request.out = arguments.out.value_or(std::filesystem::path(arguments.folders[0]) / "plot");
   const nlohmann::ordered_json drawn = plot_runs(request);
-  if (json_alone()) write_out(drawn.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+  if (json_alone()) write_json(drawn);
 }
 
 }  // namespace
@@ -89,7 +95,7 @@ void add_plot(Commands& commands) {
       .required();
   command.option("--out", arguments->out, "folder of the pictures and report.html (DIR/plot of the first)");
   command.option("--frames", arguments->frames,
-                 "of each trajectory so many frames are read at most, evenly spaced; 0: all");
+                 "of each trajectory so many frames are read at most, evenly spaced (2000); 0: all");
   command
       .option("--panels", arguments->panels,
               "of a run's picture, by parts of their titles: temperature frame (if not said: all)")

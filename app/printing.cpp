@@ -1,11 +1,15 @@
 #include "printing.hpp"
 
 #include <poll.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "base/errors.hpp"
@@ -47,6 +51,15 @@ bool json_alone() {
   return only_json;
 }
 
+int terminal_width() {
+  constexpr int kNeverWrapped = 1 << 20;
+  if (const char* said = std::getenv("COLUMNS")) return std::max(40, std::atoi(said));
+  winsize size{};
+  if (!isatty(STDOUT_FILENO) || ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0)
+    return kNeverWrapped;
+  return std::clamp(static_cast<int>(size.ws_col), 40, 120);
+}
+
 void say_text(std::string_view text) {
   if (!quietly && !only_json) write_out(text);
 }
@@ -60,6 +73,11 @@ void write_out(std::string_view text) {
   const int error = write_to(STDOUT_FILENO, text);
   if (error == EPIPE) throw Stopped{128 + SIGPIPE};
   if (error != 0) throw OutsideError(fmt::format("standard output: cannot write: {}", std::strerror(error)));
+}
+
+// What is no UTF-8 in it is written as U+FFFD.
+void write_json(const nlohmann::ordered_json& json) {
+  write_out(json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
 void complain(std::string_view why) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json_fwd.hpp>
 #include <string_view>
 #include <utility>
 
@@ -15,6 +16,7 @@ void print_errors_and_doubts_alone();  // --quiet
 void print_json_alone();               // --json, with or without --quiet
 bool quiet();
 bool json_alone();
+int terminal_width();  // COLUMNS, or stdout's up to 120; unlimited if that is no terminal
 
 // Prints tables and sentences. --quiet and --json omit them.
 void say_text(std::string_view text);
@@ -28,6 +30,7 @@ void say_always(std::string_view text);
 
 // Prints to standard output in any case: JSON, and the texts of --help and --version.
 void write_out(std::string_view text);
+void write_json(const nlohmann::ordered_json& json);
 
 // Prints an error on standard error: "taut: " and the reason.
 void complain(std::string_view why);

@@ -6,8 +6,8 @@
 #include <map>
 
 #include "base/threads.hpp"
+#include "base/words.hpp"
 #include "measures/csv.hpp"
-#include "words.hpp"
 
 namespace taut {
 namespace {

@@ -11,7 +11,8 @@
 #include "base/errors.hpp"
 #include "command_line.hpp"
 #include "commands.hpp"
-#include "measured.hpp"
+#include "files/text_file.hpp"
+#include "measures/measured_frames.hpp"
 #include "pictures.hpp"
 #include "printing.hpp"
 #include "progress.hpp"
@@ -106,14 +107,14 @@ constexpr double kLongRun = 60;  // [s], from which the table of timings is prin
 
 // What to print at a run's end.
 struct Ending {
-  const Measured* measured = nullptr;
+  const MeasuredFrames* measured = nullptr;
   bool timings = false;
   bool took_steps = true;
 };
 
 void print_end(const Simulation& simulation, const Summary& summary, const RunFolder* folder,
                const Ending& ending) {
-  const Measured* measured = ending.measured;
+  const MeasuredFrames* measured = ending.measured;
   if (json_alone()) {
     auto all = summary_json(simulation, summary);
     if (measured) all["measured"] = measured->json();
@@ -121,7 +122,7 @@ void print_end(const Simulation& simulation, const Summary& summary, const RunFo
   }
   print_summary(simulation, summary, ending.took_steps);
   if (ending.timings || summary.timings.seconds() >= kLongRun) print_timings(summary.timings);
-  if (measured) measured->print();
+  if (measured) say_text(measured->in_words());
   if (!json_alone())
     for (const auto& doubt : summary.doubts) say_always(fmt::format("in doubt: {}\n", doubt));
   if (!folder) return;
@@ -132,7 +133,7 @@ void print_end(const Simulation& simulation, const Summary& summary, const RunFo
 
 // Takes the steps that are left, prints and writes. Throws SimulationFailure that explains the failure, and Stopped
 // when a signal asked to stop.
-void complete_run(OpenRun& run, bool timings, Measured* measured = nullptr) {
+void complete_run(OpenRun& run, bool timings, MeasuredFrames* measured = nullptr) {
   Simulation& simulation = *run.simulation;
   if (timings) simulation.measure_parts();
   RunFolder* folder = run.folder ? &*run.folder : nullptr;
@@ -243,7 +244,7 @@ void run_scene(const RunArguments& arguments) {
     throw InputError("--plot: there is no folder to draw in; give --out DIR");
   OpenRun run = arguments.go_on ? open_begun_run(arguments.request()) : open_run(arguments.request());
   if (run.finished) return print_finished(run, *arguments.out);
-  std::optional<Measured> measured;
+  std::optional<MeasuredFrames> measured;
   if (arguments.measure) measured.emplace(run.simulation->scene(), std::vector<std::string>{});
   complete_run(run, arguments.timings, measured ? &*measured : nullptr);
   if (!arguments.plot) return;

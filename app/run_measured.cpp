@@ -5,10 +5,9 @@
 #include <algorithm>
 
 #include "base/errors.hpp"
-#include "measures/csv.hpp"
+#include "base/words.hpp"
 #include "printing.hpp"
 #include "simulation/checkpoint.hpp"
-#include "words.hpp"
 
 namespace taut {
 namespace {
@@ -38,6 +37,12 @@ std::vector<Picture> tables_of(const std::vector<std::optional<MeasuredRun>>& ru
 
 }  // namespace
 
+void print_run(const MeasuredRun& run) {
+  say_text(run.in_words());
+  if (json_alone()) return;
+  for (const std::string& doubt : run.doubts()) say_always(fmt::format("in doubt: {}\n", doubt));
+}
+
 std::vector<std::optional<MeasuredRun>> measure_runs(const std::vector<std::filesystem::path>& runs,
                                                      ReportPage& page, long most_frames) {
   MeasureSettings settings;
@@ -54,14 +59,14 @@ std::vector<std::optional<MeasuredRun>> measure_runs(const std::vector<std::file
       continue;
     }
     say("\nmeasured: ");
-    all[k]->print();
+    print_run(*all[k]);
   }
   return all;
 }
 
 void add_measured(const std::vector<std::optional<MeasuredRun>>& runs, const std::vector<std::string>& names,
                   Picture& picture, ReportPage& page) {
-  std::string csv = "figure,unit,run,number,value,standard_error\n", numbers, windows;
+  std::string csv = kEachRunHeader, numbers, windows;
   long count = 0;
   for (std::size_t k = 0; k < runs.size(); ++k) {
     if (!runs[k]) continue;
@@ -69,9 +74,7 @@ void add_measured(const std::vector<std::optional<MeasuredRun>>& runs, const std
     numbers += fmt::format("{}{} {}", count > 1 ? ", " : "Runs: ", count, names[k]);
     windows += fmt::format("{}: {}. ", names[k], runs[k]->window());
     if (runs[k]->stride() > 1) windows += fmt::format("Of {} frames one is read. ", runs[k]->stride());
-    for (const Figure& figure : runs[k]->figures())
-      csv += fmt::format("{},{},{},{},{:.9g},{:.3g}\n", csv_cell(figure.words), csv_cell(figure.unit),
-                         csv_cell(names[k]), count, figure.value.value, figure.value.error);
+    for (const Figure& figure : runs[k]->figures()) csv += each_run_row(figure, names[k], count);
   }
   if (count == 0) return;
   if (count > 1) picture.beside["each_run"] = csv;

@@ -5,10 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "measured_run.hpp"
+#include "measures/measured_run.hpp"
 #include "report.hpp"
 
 namespace taut {
+
+void print_run(const MeasuredRun& run);  // what was measured, and the run's own doubts
 
 // Measures runs as `taut measure --from auto` does and prints their figures. A run whose checkpoint is not there is left
 // out; one that cannot be measured gets a note on the page. At most most_frames of each trajectory are read, evenly

@@ -11,7 +11,9 @@
 
 #include "base/errors.hpp"
 #include "base/even_times.hpp"
+#include "base/words.hpp"
 #include "files/folder.hpp"
+#include "files/text_file.hpp"
 #include "measures/csv.hpp"
 #include "measures/run_log.hpp"
 #include "printing.hpp"
@@ -21,7 +23,6 @@
 #include "run_measured.hpp"
 #include "simulation/checkpoint.hpp"
 #include "study.hpp"
-#include "words.hpp"
 
 namespace taut {
 namespace {

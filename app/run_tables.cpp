@@ -6,10 +6,10 @@
 #include <algorithm>
 
 #include "base/usable_cores.hpp"
+#include "base/words.hpp"
 #include "printing.hpp"
 #include "simulation/log_columns.hpp"
 #include "systems/scene/velocities.hpp"
-#include "words.hpp"
 
 namespace taut {
 namespace {

@@ -17,18 +17,17 @@
 #include "base/errors.hpp"
 #include "base/threads.hpp"
 #include "base/usable_cores.hpp"
+#include "base/words.hpp"
 #include "commands.hpp"
 #include "files/atomic_file.hpp"
 #include "files/folder.hpp"
-#include "measure_groups.hpp"
+#include "files/text_file.hpp"
+#include "measured_groups.hpp"
 #include "printing.hpp"
 #include "progress.hpp"
-#include "scan_folder.hpp"
 #include "scene_argument.hpp"
 #include "stop_request.hpp"
 #include "study.hpp"
-#include "words.hpp"
-#include "zero_steps.hpp"
 
 extern char** environ;
 
@@ -224,11 +223,8 @@ void scan(const ScanArguments& arguments) {
   }
   refuse_foreign_files(arguments.out, runs, line);
   const FolderLock lock(arguments.out);
-  for (const auto& [file, text] : {std::pair{kCommands, line}, {kScanTable, scan_table(points)}}) {
-    AtomicFile aside(arguments.out / file);
-    aside.write(text);
-    aside.commit();
-  }
+  write_file(arguments.out / kCommands, line);
+  write_file(arguments.out / kScanTable, scan_table(points));
   const int jobs = arguments.jobs.value_or(std::max(1, usable_cores() / available_threads()));
   say("{} of {}, {} at once\n", counted(std::ssize(runs), "run"), counted(std::ssize(points), "setting"),
       jobs);
@@ -236,25 +232,14 @@ void scan(const ScanArguments& arguments) {
   if (failed.size() == runs.size())
     throw InputError(fmt::format("every run of the scan failed; the first says: {}",
                                  contents_of(runs[0].folder.string() + ".log")));
-  const std::vector<RunGroup> groups =
-      measure_scan(arguments.out, {.atoms = {}, .from = {}, .last = {}, .automatic = true, .viscosity = {}});
-  for (const RunGroup& group : groups) print_group(group);
-  const std::vector<ZeroSteps> zero_steps = at_zero_step(groups);
-  for (const ZeroSteps& of : zero_steps) print_zero_steps(of);
+  Notes notes;
+  const MeasuredGroups all{measure_scan(
+      arguments.out, {.atoms = {}, .from = {}, .last = {}, .automatic = true, .viscosity = {}}, notes)};
+  all.print(notes);
+  if (json_alone()) write_json(all.json());
   StudyFiles files(arguments.out, arguments.pictures);
-  if (!zero_steps.empty()) files.write(kZeroSteps, zero_steps_csv(zero_steps));
-  if (!arguments.vary.empty())
-    draw_scan(files, groups);
-  else
-    files.draw({"each_run", groups[0].runs.front().scene().name + ": each run, and their mean",
-                each_run_csv(groups[0])});
+  all.draw(files);
   files.print_written();
-  if (json_alone()) {
-    nlohmann::ordered_json json = nlohmann::ordered_json::array();
-    for (const RunGroup& group : groups) json.push_back(json_of(group));
-    for (const ZeroSteps& of : zero_steps) json.push_back(json_of(of));
-    write_out(json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
-  }
   if (!failed.empty())
     throw SimulationFailure(
         fmt::format("{} of the scan, the first: {}", counted(std::ssize(failed), "run"), failed[0]));

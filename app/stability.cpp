@@ -4,12 +4,12 @@
 #include <algorithm>
 
 #include "base/errors.hpp"
+#include "base/words.hpp"
 #include "printing.hpp"
 #include "studies/stability_study.hpp"
 #include "studies/study_scene.hpp"
 #include "study.hpp"
 #include "systems/scene/scene_file.hpp"
-#include "words.hpp"
 
 namespace taut {
 namespace {

@@ -6,12 +6,12 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <csignal>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "base/errors.hpp"
+#include "base/words.hpp"
 #include "files/folder.hpp"
 #include "measures/csv.hpp"
 #include "printing.hpp"
@@ -56,11 +56,9 @@ class StoppedAtOnce {
 };
 
 nlohmann::ordered_json number_or_text(const std::string& cell) {
-  double number = 0;
-  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), number);
   if (cell.empty()) return {};
-  if (error == std::errc() && end == cell.data() + cell.size()) return number;
-  return cell;
+  const auto number = number_in(cell);
+  return number ? nlohmann::ordered_json(*number) : nlohmann::ordered_json(cell);
 }
 
 std::string first_line(const fs::path& file) {
@@ -214,16 +212,16 @@ void Study::finish(const std::string& title) {
   write_report(page_, files_);
   ledger_.close();
   files_.print_written();
-  if (json_alone()) write_out(json() + "\n");
+  if (json_alone()) write_json(json());
 }
 
 // Converts a table to JSON, each row an object with the columns' names.
-std::string Study::json() const {
+nlohmann::ordered_json Study::json() const {
   nlohmann::ordered_json all = {{"command", page_.command}, {"notes", page_.notes}};
   for (const ReportPage::Part& part : page_.parts)
     if (!part.conclusions.empty()) all["conclusions"] = part.conclusions;
   for (const auto& [name, csv] : tables_) all[name] = json_of_csv(csv);
-  return all.dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
+  return all;
 }
 
 }  // namespace taut

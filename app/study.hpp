@@ -67,7 +67,7 @@ class Study {
   void finish(const std::string& title);
 
  private:
-  std::string json() const;
+  nlohmann::ordered_json json() const;
 
   std::string line_;
   FolderLock lock_;

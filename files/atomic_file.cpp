@@ -33,4 +33,10 @@ void AtomicFile::commit() {
   sync_folder(path_.parent_path());
 }
 
+void write_file(const std::filesystem::path& path, std::string_view text) {
+  AtomicFile file(path);
+  file.write(text);
+  file.commit();
+}
+
 }  // namespace taut

@@ -27,4 +27,7 @@ class AtomicFile {
   std::uint64_t size_ = 0;
 };
 
+// Writes a file whole.
+void write_file(const std::filesystem::path& path, std::string_view text);
+
 }  // namespace taut

@@ -89,9 +89,7 @@ void JournaledFile::commit(std::uint64_t size) {
     journal.append(reinterpret_cast<const char*>(&change), sizeof change).append(page.data(), change.bytes);
   }
   if (!journal.empty()) {
-    AtomicFile aside(journal_);
-    aside.write(journal);
-    aside.commit();
+    write_file(journal_, journal);
     carry_out(journal, [&](std::uint64_t at, std::string_view change) { file_.write(at, change); });
   }
   file_.cut(size);

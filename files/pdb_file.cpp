@@ -63,9 +63,7 @@ void write_pdb(const std::filesystem::path& file, const TrajectorySetup& setup, 
     for (const auto& [i, j] : setup.further_bonds) connect(i, j);
   }
   text += "END\n";
-  AtomicFile aside(file);
-  aside.write(text);
-  aside.commit();
+  write_file(file, text);
 }
 
 }  // namespace taut

@@ -6,6 +6,8 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <fstream>
+#include <iterator>
 #include <utility>
 
 #include "base/errors.hpp"
@@ -95,6 +97,11 @@ std::string whole_text(const fs::path& file, const Listen& listen) {
   }
   if (text.size() <= kLongestText) in.finish();
   return text;
+}
+
+std::string contents_of(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 }  // namespace taut

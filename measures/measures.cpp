@@ -5,17 +5,10 @@
 #include <map>
 #include <numbers>
 
+#include "base/series.hpp"
+
 namespace taut {
 namespace {
-
-// Of values that are independent already.
-Estimate mean_of(const std::vector<double>& values) {
-  const double n = static_cast<double>(values.size());
-  double mean = 0, spread = 0;
-  for (const double value : values) mean += value / n;
-  for (const double value : values) spread += (value - mean) * (value - mean);
-  return {mean, n > 1 ? std::sqrt(spread / (n * (n - 1))) : 0};
-}
 
 // Atoms in cells of a box, none narrower than `reach`: all within reach of a place are in the cell there and
 // the 26 about it.
@@ -127,7 +120,7 @@ void EndToEnd::see(double t, const Vectors& x) {
 Estimate EndToEnd::squared() const {
   const Estimate of_frames = block_mean(EvenMeans(t_).of(squared_));
   const double of_chains =
-      mean_of(of_chain_).error / static_cast<double>(std::max<std::size_t>(squared_.size(), 1));
+      independent_mean(of_chain_).error / static_cast<double>(std::max<std::size_t>(squared_.size(), 1));
   return {of_frames.value, std::max(of_frames.error, of_chains)};
 }
 
@@ -188,13 +181,13 @@ MeanSquareDisplacement::Result MeanSquareDisplacement::result() const {
   }
   for (std::size_t k = 0; k < lags.size(); ++k) {
     result.t.push_back(result.frames.interval * static_cast<double>(lags[k]));
-    result.squared.push_back(mean_of(squared[k]));
+    result.squared.push_back(independent_mean(squared[k]));
   }
   const auto half = std::ranges::lower_bound(result.t, result.t.back() / 2) - result.t.begin();
   if (const double before = result.squared[static_cast<std::size_t>(half)].value; before > 0)
     result.exponent = std::log(result.squared.back().value / before) /
                       std::log(result.t.back() / result.t[static_cast<std::size_t>(half)]);
-  const Estimate slope = mean_of(slopes);
+  const Estimate slope = independent_mean(slopes);
   result.diffusion = {slope.value / 6, slope.error / 6};
   return result;
 }

@@ -5,11 +5,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <limits>
-#include <sstream>
 
 #include "base/errors.hpp"
+#include "files/text_file.hpp"
 #include "measures/csv.hpp"
 
 namespace taut {
@@ -47,13 +46,11 @@ void RunLog::append(const RunLog& next) {
 
 RunLog read_log(const std::filesystem::path& folder) {
   const std::filesystem::path file = folder / "log.csv";
-  std::ifstream in(file, std::ios::binary);
-  if (!in)
+  std::error_code unreadable;
+  if (!std::filesystem::exists(file, unreadable))
     throw InputError(fmt::format("{}: there is no such file; expected the folder of a run, as --out names it",
                                  file.string()));
-  std::ostringstream whole;
-  whole << in.rdbuf();
-  const std::string text = whole.str();
+  const std::string text = contents_of(file);
   RunLog log;
   std::size_t line = 1;
   for (std::size_t at = 0; at < text.size(); ++line) {

@@ -4,12 +4,12 @@
 
 #include <bit>
 #include <fstream>
-#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 
 #include "base/errors.hpp"
 #include "files/atomic_file.hpp"
+#include "files/text_file.hpp"
 
 namespace taut {
 namespace {
@@ -198,11 +198,9 @@ void write_checkpoint(const std::filesystem::path& folder, const Checkpoint& che
 Checkpoint load_checkpoint(const std::filesystem::path& folder) {
   expect_checkpoint(folder);
   const std::filesystem::path path = checkpoint_file(folder);
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw InputError(path.string() + ": cannot be read");
-  const std::string bytes(std::istreambuf_iterator<char>(in), {});
+  if (!std::ifstream(path)) throw InputError(path.string() + ": cannot be read");
   try {
-    return read_checkpoint(bytes);
+    return read_checkpoint(contents_of(path));
   } catch (const InputError& e) {
     throw InputError(path.string() + ": " + e.what());
   }

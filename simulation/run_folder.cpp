@@ -112,11 +112,9 @@ ordered_json failure_json(const Diagnosis& d) {
   return object;
 }
 
-void write_aside(const fs::path& path, const ordered_json& object) {
-  AtomicFile file(path);
-  // A name that is not UTF-8 is written with U+FFFD in place of what cannot be read.
-  file.write(object.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n");
-  file.commit();
+// A name that is not UTF-8 is written with U+FFFD in place of what cannot be read.
+void write_json_file(const fs::path& path, const ordered_json& object) {
+  write_file(path, object.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n");
 }
 
 // Moves aside what an earlier run wrote: it is another run's, or of an earlier step. The checkpoint goes
@@ -197,13 +195,13 @@ std::vector<std::string> RunFolder::outgrown(const Simulation& simulation) const
 void RunFolder::write_end(const Simulation& simulation, const Summary& summary) {
   log_.mark();
   write_start(path() / "final.start.toml", simulation.state_to_write());
-  write_aside(path() / "summary.json", summary_json(simulation, summary));
+  write_json_file(path() / "summary.json", summary_json(simulation, summary));
 }
 
 void RunFolder::write_failure(const Simulation& simulation, const Diagnosis& diagnosis) {
   log_.mark();
   write_start(path() / "last_good.start.toml", simulation.state_to_write());
-  write_aside(path() / "failure.json", failure_json(diagnosis));
+  write_json_file(path() / "failure.json", failure_json(diagnosis));
 }
 
 std::vector<std::string> run_files(const fs::path& folder) {

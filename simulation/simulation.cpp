@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/errors.hpp"
+#include "base/words.hpp"
 #include "constraints/bond_algebra.hpp"
 #include "ensembles/bussi.hpp"
 #include "forcefield/check_positions.hpp"
@@ -96,7 +97,7 @@ Simulation::Simulation(Scene scene, const ThreadScope&, const Listen& listen)
   bring_to_the_bonds({.force = scene_.run.minimise ? scene_.run.minimise_force : 0,
                       .soft = scene_.run.soft_start,
                       .listen = listen});
-  note_start();
+  note_start(listen);
   refuse_unreachable_tolerance(sys, state_.x, method_->promised_error());
   if (state_.box.periodic()) inner_->barometer.emplace(sys, has_springs());
   count_degrees_of_freedom(fixed_motions(scene_, state_.x, state_.v));
@@ -146,7 +147,7 @@ void Simulation::begin_means() {
 }
 
 // For the header.
-void Simulation::note_start() {
+void Simulation::note_start(const Listen& listen) {
   if (const auto& nonbonded = scene_.terms.nonbonded;
       nonbonded && nonbonded->pme && !nonbonded->charge.isZero(0))
     ewald_doubt_ = doubt_of(chosen_parameters(*nonbonded->pme, state_.box, *nonbonded->cutoff), state_.box,
@@ -163,13 +164,13 @@ void Simulation::note_start() {
         fmt::format("atom {}{} anchored (mass 0): the velocity it had was left out", anchors.front(),
                     anchors.size() > 1 ? fmt::format(" and {} more are", anchors.size() - 1) : " is"));
   if (pushed_apart)
-    scene_.notes.push_back(fmt::format("overlapping atoms pushed apart in {} move{} by soft forces",
-                                       *pushed_apart, *pushed_apart == 1 ? "" : "s"));
+    scene_.notes.push_back(
+        fmt::format("overlapping atoms pushed apart in {} by soft forces", counted(*pushed_apart, "move")));
   if (minimised)
     scene_.notes.push_back(
-        fmt::format("minimised in {} move{} from {:.6g} to {:.6g} kJ/mol, largest force {:.4g} kJ/mol/nm",
-                    minimised->moves, minimised->moves == 1 ? "" : "s", minimised->energy_before,
-                    minimised->energy, minimised->largest_force));
+        fmt::format("minimised in {} from {:.6g} to {:.6g} kJ/mol, largest force {:.4g} kJ/mol/nm",
+                    counted(minimised->moves, "move"), minimised->energy_before, minimised->energy,
+                    minimised->largest_force));
   constexpr double kNoise = 1e-6;
   if (centre_stopped > kNoise)
     scene_.notes.push_back(
@@ -182,7 +183,7 @@ void Simulation::note_start() {
   if (!what.empty()) scene_.notes.push_back(fmt::format("brought to the bonds: {}", fmt::join(what, ", ")));
   if (std::string fast = unresolved_motion(scene_, state_.x, has_springs()); !fast.empty())
     scene_.notes.push_back(std::move(fast));
-  if (std::string linked = linked_rings_message(full_, scene_.terms, state_); !linked.empty())
+  if (std::string linked = linked_rings_message(full_, scene_.terms, state_, listen); !linked.empty())
     scene_.notes.push_back(std::move(linked));
   for (std::string& note : contradicted_lengths(full_, redundancy_.redundant, state_.x))
     scene_.notes.push_back(std::move(note));

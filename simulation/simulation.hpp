@@ -233,7 +233,7 @@ class Simulation {
   Simulation(Scene scene, const ThreadScope&, const Listen& listen);
   void bring_to_the_bonds(const MinimiseGoal& goal, const OnMove& on_move = {});
   void begin_means();
-  void note_start();
+  void note_start(const Listen& listen);
   std::uint64_t seed_here() const;
   void make_thermostat();
   void make_barostat();

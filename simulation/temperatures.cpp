@@ -8,6 +8,7 @@
 #include <map>
 #include <numeric>
 
+#include "base/words.hpp"
 #include "md/units.hpp"
 #include "systems/molecules/whole_molecules.hpp"
 
@@ -62,9 +63,8 @@ Estimate in_kelvin(const Estimate& kinetic, double dof) {
 
 // "216 molecules of 3 atoms", "20 atoms"
 std::string name_of(int count, std::size_t atoms) {
-  const char* plural = count == 1 ? "" : "s";
-  if (atoms == 1) return fmt::format("{} atom{}", count, plural);
-  return fmt::format("{} molecule{} of {} atoms", count, plural, atoms);
+  if (atoms == 1) return counted(count, "atom");
+  return fmt::format("{} of {} atoms", counted(count, "molecule"), atoms);
 }
 
 int count_mobile(const System& sys, const std::vector<int>& atoms) {

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "base/words.hpp"
+
 namespace taut {
 namespace {
 
@@ -72,10 +74,9 @@ std::vector<std::string> chart_verdict(std::vector<ChartPoint> points, double dt
 std::string warn_of_load(double load, long cores) {
   if (static_cast<double>(cores) - load >= 0.5) return "";
   return fmt::format(
-      "the machine is busy (load {:.1f} of {} core{} in the last minute): the times are noise; chart again "
-      "when it "
+      "the machine is busy (load {:.1f} of {} in the last minute): the times are noise; chart again when it "
       "is idle",
-      load, cores, cores == 1 ? "" : "s");
+      load, counted(cores, "core"));
 }
 
 }  // namespace taut

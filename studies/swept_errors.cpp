@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "base/words.hpp"
 #include "constraints/bond_graph.hpp"
 
 namespace taut {
@@ -69,8 +70,8 @@ std::vector<SweptShape> cluster_shapes(const System& sys) {
     shapes.resize(known.size());
     counts.resize(known.size(), 0);
     const int count = ++counts[shape];
-    shapes[shape].name = fmt::format("{} cluster{} of {} bond{}", count, count == 1 ? "" : "s", bonds.size(),
-                                     bonds.size() == 1 ? "" : "s");
+    shapes[shape].name =
+        fmt::format("{} of {}", counted(count, "cluster"), counted(std::ssize(bonds), "bond"));
     shapes[shape].bonds.insert(shapes[shape].bonds.end(), bonds.begin(), bonds.end());
   }
   return shapes;

@@ -7,6 +7,7 @@
 
 #include <numbers>
 
+#include "base/errors.hpp"
 #include "base/random.hpp"
 
 namespace taut::linked_rings_tests {
@@ -137,6 +138,7 @@ TEST(LinkedRings, AreSaidWherePairsKeepBondsApart) {
   EXPECT_THAT(linked_rings_message(sys, terms, s),
               testing::StartsWith(
                   "a pair of the 2 rings is linked, the first those of atoms 0 and 20, and stays so"));
+  EXPECT_THROW(linked_rings_message(sys, terms, s, [] { throw InputError("stop"); }), InputError);
 }
 
 }  // namespace

@@ -86,6 +86,8 @@ TEST(Pictures, AreForPrintAndAreDrawnAgainFromTheirTables) {
   }
   EXPECT_THAT(said("plot " + out + " --format jpg", 2), HasSubstr("expected pdf|svg|png, got jpg"));
   EXPECT_THAT(said("plot " + out + " --size 100", 2), HasSubstr("expected 85|170, got 100"));
+  for (const std::string option : {"--frames 5", "--panels frame"})
+    EXPECT_THAT(said("plot " + out + " " + option, 2), HasSubstr("needs runs; these are tables")) << option;
 }
 
 // Where no setting gets through there is nothing to draw, which is no failure.

@@ -12,6 +12,7 @@
 #include <set>
 
 #include "base/nearest_name.hpp"
+#include "base/words.hpp"
 #include "systems/molecules/rows.hpp"
 #include "systems/molecules/whole_molecules.hpp"
 
@@ -72,8 +73,8 @@ void read_groups(const TomlTable& keys, const Scene& scene, Bias& bias) {
   const auto expected = static_cast<std::size_t>(groups_of(bias.variable));
   if (groups != expected)
     keys.fail(keys.has("groups") ? "groups" : "variable",
-              fmt::format("{} needs {} group{} of atoms in `groups`, got {}", name_of(bias.variable),
-                          expected, expected == 1 ? "" : "s", groups));
+              fmt::format("{} needs {} of atoms in `groups`, got {}", name_of(bias.variable),
+                          counted(static_cast<long>(expected), "group"), groups));
   for (std::size_t g = 0; g < groups; ++g) {
     std::vector<int> atoms;
     for (const std::string& word : keys.words("groups", g)) add_atoms(keys, g, word, scene, atoms);
@@ -238,9 +239,9 @@ void read_biases(const TomlTable& root, Scene& scene) {
   }
   if (const int moved = bring_together(all, scene.system, scene.terms, scene.start.box, scene.start.x))
     scene.notes.push_back(
-        fmt::format("start: {} molecule{} of biases' groups moved by vectors of the box, to where the others "
-                    "of the group are",
-                    moved, moved == 1 ? "" : "s"));
+        fmt::format("start: {} of biases' groups moved by vectors of the box, to where the others of the "
+                    "group are",
+                    counted(moved, "molecule")));
   for (std::size_t k = 0; k < count; ++k) {
     const TomlTable own = root.section("bias", k);
     for (const char* known : {"variable", "name", "along", "groups"}) own.has(known);

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "base/listen.hpp"
 #include "forcefield/terms.hpp"
 #include "md/state.hpp"
 #include "md/system.hpp"
@@ -15,9 +16,11 @@ struct LinkedRings {
   int rings = 0, pairs = 0;                // pairs that are linked, each image of a ring counted apart
   int atom_of_one = 0, atom_of_other = 0;  // of the first pair
 };
-LinkedRings find_linked_rings(const System& sys, const Terms& terms, const State& s);
+LinkedRings find_linked_rings(const System& sys, const Terms& terms, const State& s,
+                              const Listen& listen = {});
 
 // Says how many are linked and what to do; empty if none is, or if no pair force keeps bonds from passing.
-std::string linked_rings_message(const System& sys, const Terms& terms, const State& s);
+std::string linked_rings_message(const System& sys, const Terms& terms, const State& s,
+                                 const Listen& listen = {});
 
 }  // namespace taut

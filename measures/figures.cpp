@@ -1,14 +1,13 @@
-#include "figures.hpp"
+#include "measures/figures.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "base/series.hpp"
-#include "simulation/run_folder.hpp"
-#include "words.hpp"
+#include "base/words.hpp"
+#include "measures/csv.hpp"
 
 namespace taut {
 
@@ -22,10 +21,6 @@ std::string with_error(const Estimate& e) {
   return fmt::format("{:.{}f} ± {:.{}f}", e.value, std::max(0, places), e.error, std::max(0, places));
 }
 
-nlohmann::ordered_json json_of(const Figure& figure) {
-  return json_of(figure.value);
-}
-
 std::string figures_table(const std::vector<Figure>& figures) {
   std::size_t width = 0;
   for (const Figure& figure : figures)
@@ -36,6 +31,11 @@ std::string figures_table(const std::vector<Figure>& figures) {
                         std::string(width - static_cast<std::size_t>(columns_of(figure.words)), ' '),
                         with_error(figure.value), figure.unit.empty() ? "" : " ", figure.unit);
   return text;
+}
+
+std::string each_run_row(const Figure& figure, const std::string& run, long number) {
+  return fmt::format("{},{},{},{},{:.9g},{:.3g}\n", csv_cell(figure.words), csv_cell(figure.unit),
+                     csv_cell(run), number, figure.value.value, figure.value.error);
 }
 
 std::vector<OverSeeds> over_seeds(const std::vector<std::vector<Figure>>& runs) {

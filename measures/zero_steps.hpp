@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/zero_step.hpp"
-#include "measure_groups.hpp"
+#include "measures/run_groups.hpp"
 
 namespace taut {
 
@@ -17,8 +17,8 @@ struct ZeroSteps {
     Figure figure;  // its value at zero step
     ZeroStep fit;
   };
-  std::vector<std::pair<std::string, std::string>> values;  // of the other keys that the scan varies
-  std::string steps;                                        // "2, 4, 5"
+  ScanValues values;  // of the other keys that the scan varies
+  std::string steps;  // "2, 4, 5"
   std::vector<OfFigure> figures;
 
   std::string label() const;  // "method.name=newton at zero step"
@@ -27,7 +27,7 @@ struct ZeroSteps {
 // For each setting of the other keys, in the groups' order; none where run.dt_fs has fewer than two values.
 std::vector<ZeroSteps> at_zero_step(const std::vector<RunGroup>& groups);
 
-void print_zero_steps(const ZeroSteps& of);
+std::string in_words(const ZeroSteps& of, int width);
 nlohmann::ordered_json json_of(const ZeroSteps& of);
 // figure, unit, curve (the other keys' values), value, error, slope in fs², its error, χ², its degrees of freedom, chance.
 std::string zero_steps_csv(const std::vector<ZeroSteps>& all);

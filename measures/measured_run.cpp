@@ -1,4 +1,4 @@
-#include "measured_run.hpp"
+#include "measures/measured_run.hpp"
 
 #include <fmt/format.h>
 
@@ -10,12 +10,13 @@
 #include "base/errors.hpp"
 #include "base/even_times.hpp"
 #include "base/series.hpp"
+#include "base/words.hpp"
 #include "files/dcd_file.hpp"
 #include "files/h5md_file.hpp"
 #include "files/h5md_reader.hpp"
-#include "printing.hpp"
+#include "files/text_file.hpp"
 #include "simulation/checkpoint.hpp"
-#include "words.hpp"
+#include "simulation/run_folder.hpp"
 
 namespace taut {
 namespace {
@@ -230,21 +231,16 @@ std::vector<Figure> MeasuredRun::figures() const {
   return all;
 }
 
-void MeasuredRun::print() const {
-  say("{}: {}\n", name(), window_words_);
-  say_text(figures_table(log_figures_));
+std::string MeasuredRun::in_words() const {
+  std::string text = fmt::format("{}: {}\n", name(), window_words_) + figures_table(log_figures_);
   if (green_kubo_ && green_kubo_->flaw.empty())
-    say("  viscosity by Green and Kubo, the pressure's correlation integrated to {:.4g} ps{}\n",
-        green_kubo_->cut, viscosity_rows_);
+    text +=
+        fmt::format("  viscosity by Green and Kubo, the pressure's correlation integrated to {:.4g} ps{}\n",
+                    green_kubo_->cut, viscosity_rows_);
   else if (green_kubo_)
-    say("  no viscosity: {}{}\n", green_kubo_->flaw, viscosity_rows_);
-  if (stride_ > 1) say("of {} frames one is read\n", stride_);
-  if (frames_)
-    frames_->print();
-  else
-    say("{}\n", no_frames_);
-  if (!json_alone())
-    for (const std::string& doubt : doubts_) say_always(fmt::format("in doubt: {}\n", doubt));
+    text += fmt::format("  no viscosity: {}{}\n", green_kubo_->flaw, viscosity_rows_);
+  if (stride_ > 1) text += fmt::format("of {} frames one is read\n", stride_);
+  return text + (frames_ ? frames_->in_words() : no_frames_ + "\n");
 }
 
 nlohmann::ordered_json MeasuredRun::json() const {
@@ -254,7 +250,7 @@ nlohmann::ordered_json MeasuredRun::json() const {
                                  {"from_ps", t[first_row_]},
                                  {"to_ps", t.back()},
                                  {"rows", t.size() - first_row_}};
-  for (const Figure& figure : log_figures_) json[figure.key] = json_of(figure);
+  for (const Figure& figure : log_figures_) json[figure.key] = json_of(figure.value);
   if (!doubts_.empty()) json["doubts"] = doubts_;
   if (green_kubo_ && !green_kubo_->flaw.empty()) json["viscosity_flaw"] = green_kubo_->flaw;
   if (!viscosity_rows_.empty()) json["viscosity_rows"] = green_kubo_->rows.samples.size();

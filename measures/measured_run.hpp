@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "figures.hpp"
-#include "measured.hpp"
+#include "measures/figures.hpp"
+#include "measures/measured_frames.hpp"
 #include "measures/run_log.hpp"
 #include "measures/transport.hpp"
 
@@ -34,14 +34,13 @@ class MeasuredRun {
   std::string name() const { return segments_.front().string(); }
   double from_ps() const { return log_.column("time_ps")[first_row_]; }  // where the measured part begins
   std::vector<Figure> figures() const;
-  void print() const;
+  std::string in_words() const;  // lines
   nlohmann::ordered_json json() const;
   // Equilibration, what the frames show, viscosity: what there is. `curve` names the run in what frames show, where
   // runs are laid over each other.
   std::vector<Picture> pictures(const std::string& curve = "") const;
-  const std::vector<std::string>& doubts() const {
-    return doubts_;
-  }                                                            // the run's own, as its summary.json has them
+  // The run's own, as its summary.json has them.
+  const std::vector<std::string>& doubts() const { return doubts_; }
   long stride() const { return stride_; }                      // of so many frames one is read
   const std::string& window() const { return window_words_; }  // "4376 rows of the log from 5 to 40 ps"
 
@@ -66,7 +65,7 @@ class MeasuredRun {
   std::vector<Figure> log_figures_;
   std::optional<GreenKubo> green_kubo_;  // in a box
   std::string viscosity_rows_;           // those it is of, where that is not all
-  std::optional<Measured> frames_;
+  std::optional<MeasuredFrames> frames_;
   std::vector<std::string> doubts_;
   long stride_ = 1;
   std::string no_frames_;  // why there are none

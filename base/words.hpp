@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace taut {
@@ -13,10 +15,12 @@ inline std::string counted(long n, const char* one) {
 }
 
 int columns_of(const std::string& text);  // width on a terminal, for UTF-8 without wide characters
-int terminal_width();                     // COLUMNS, or stdout's up to 120; unlimited if that is no terminal
 
 // Wraps text to lines of at most so many columns, indented from the second line on.
 std::string wrapped(const std::string& text, int width, int indent);
+
+// The number that the whole of a text is; none where it is anything else.
+std::optional<double> number_in(std::string_view text);
 
 // Aligns cells in columns as wide as needed; the last column is wrapped.
 std::string table_text(const std::vector<std::vector<std::string>>& rows, int width);

@@ -1,4 +1,4 @@
-#include "measured.hpp"
+#include "measures/measured_frames.hpp"
 
 #include <fmt/format.h>
 
@@ -9,11 +9,11 @@
 #include "base/errors.hpp"
 #include "base/nearest_name.hpp"
 #include "base/series.hpp"
+#include "base/words.hpp"
 #include "measures/csv.hpp"
 #include "measures/transport.hpp"
-#include "printing.hpp"
+#include "simulation/run_folder.hpp"
 #include "systems/molecules/whole_molecules.hpp"
-#include "words.hpp"
 
 namespace taut {
 namespace {
@@ -66,7 +66,7 @@ std::string said_of(const EvenPart& part, const std::vector<double>& t, const st
                      t[part.samples.back()]);
 }
 
-Measured::Measured(const Scene& scene, std::vector<std::string> atoms)
+MeasuredFrames::MeasuredFrames(const Scene& scene, std::vector<std::string> atoms)
     : scene_(scene),
       atoms_(or_heaviest(std::move(atoms), scene)),
       reach_(reach_in(scene.start.box, atoms_named(scene, atoms_[1]).size())),
@@ -81,7 +81,7 @@ Measured::Measured(const Scene& scene, std::vector<std::string> atoms)
     spacing_ = std::cbrt(scene.start.box.volume() / count);
 }
 
-void Measured::add_frame(double t, const Vectors& x, const Box& box) {
+void MeasuredFrames::add_frame(double t, const Vectors& x, const Box& box) {
   if (reach_ > 0 && !pairs_.empty()) pairs_.see(t, x, box);
   if (!chains_.empty()) {
     chains_.see(t, x);
@@ -92,19 +92,19 @@ void Measured::add_frame(double t, const Vectors& x, const Box& box) {
   volumes_.push_back(box.periodic() ? box.volume() : 0);
 }
 
-std::string Measured::spacing() const {
+std::string MeasuredFrames::spacing() const {
   const auto [low, high] = std::ranges::minmax(spans_of(t_));
   if (t_.size() < 2) return "";
   return even_parts(t_).front().whole(t_) ? fmt::format(", {:.4g} ps apart", high)
                                           : fmt::format(", {:.4g} to {:.4g} ps apart", low, high);
 }
 
-void Measured::set_viscosity(const Estimate& viscosity, double temperature) {
+void MeasuredFrames::set_viscosity(const Estimate& viscosity, double temperature) {
   viscosity_ = viscosity;
   temperature_ = temperature;
 }
 
-Measured::Diffusion Measured::diffusion(const MeanSquareDisplacement::Result& moved) const {
+MeasuredFrames::Diffusion MeasuredFrames::diffusion(const MeanSquareDisplacement::Result& moved) const {
   constexpr double kStraight = 0.2;
   if (moved.t.empty())
     return {.flaw = fmt::format("{} {} are too few, it takes {}", moved.frames.samples.size(),
@@ -128,7 +128,7 @@ Measured::Diffusion Measured::diffusion(const MeanSquareDisplacement::Result& mo
   return found;
 }
 
-std::vector<Figure> Measured::figures() const {
+std::vector<Figure> MeasuredFrames::figures() const {
   std::vector<Figure> all;
   if (!chains_.empty()) {
     all.push_back({"end_to_end_squared_nm2", "⟨R²⟩", "nm²", chains_.squared()});
@@ -145,7 +145,11 @@ std::vector<Figure> Measured::figures() const {
   return all;
 }
 
-void Measured::print() const {
+std::string MeasuredFrames::in_words() const {
+  std::string text;
+  const auto say = [&]<class... Values>(fmt::format_string<Values...> line, Values&&... values) {
+    text += fmt::format(line, std::forward<Values>(values)...);
+  };
   const Distances g = pairs_.result();
   const MeanSquareDisplacement::Result moved = motion_.result();
   say("{}: {} of {}{}\n", scene_.name, counted(std::ssize(t_), "frame"),
@@ -176,22 +180,23 @@ void Measured::print() const {
         moved.t.back());
   const Diffusion d = diffusion(moved);
   constexpr double kCm2PerS = 1e-2;  // of nm²/ps
-  if (!d.value) return say("no D yet: {}\n", d.flaw);
+  if (!d.value) return text + fmt::format("no D yet: {}\n", d.flaw);
   say("diffusion: D = {} nm²/ps ({:.3g} cm²/s), the slope from {:.4g} to {:.4g} ps{}\n", with_error(*d.value),
       d.value->value * kCm2PerS, moved.t.back() / 2, moved.t.back(), said_of(moved.frames, t_, "frame"));
   if (d.corrected)
     say("  in an endless liquid of {:.3g} mPa s (Yeh and Hummer): {} nm²/ps\n", viscosity_.value,
         with_error(*d.corrected));
+  return text;
 }
 
-nlohmann::ordered_json Measured::json() const {
+nlohmann::ordered_json MeasuredFrames::json() const {
   const Distances g = pairs_.result();
   const MeanSquareDisplacement::Result moved = motion_.result();
   nlohmann::ordered_json json = {{"scene", scene_.name},
                                  {"frames", t_.size()},
                                  {"frames_followed", moved.frames.samples.size()},
                                  {"interval_ps", moved.frames.interval}};
-  for (const Figure& figure : figures()) json[figure.key] = json_of(figure);
+  for (const Figure& figure : figures()) json[figure.key] = json_of(figure.value);
   if (!chains_.empty())
     if (const auto relaxation = sizes_.relaxation(); !relaxation.flaw.empty())
       json["relaxation_flaw"] = relaxation.flaw;
@@ -204,7 +209,7 @@ nlohmann::ordered_json Measured::json() const {
   return json;
 }
 
-std::vector<Picture> Measured::pictures(const std::string& curve) const {
+std::vector<Picture> MeasuredFrames::pictures(const std::string& curve) const {
   std::vector<Picture> all;
   const std::string run = csv_cell(curve);
   if (const Distances g = pairs_.result(); !g.r.empty()) {

@@ -1,32 +1,17 @@
-#include "zero_steps.hpp"
+#include "measures/zero_steps.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <nlohmann/json.hpp>
 
+#include "base/words.hpp"
 #include "measures/csv.hpp"
-#include "printing.hpp"
-#include "words.hpp"
 
 namespace taut {
 namespace {
 
 constexpr const char* kStep = "run.dt_fs";
-
-double number_of(const std::string& text) {
-  double number = 0;
-  std::from_chars(text.data(), text.data() + text.size(), number);
-  return number;
-}
-
-std::string curve_of(const ZeroSteps& of) {
-  std::string text;
-  for (const auto& [key, value] : of.values)
-    text += fmt::format("{}{}={}", text.empty() ? "" : " ", key, value);
-  return text;
-}
 
 // The points of each figure that all groups have.
 ZeroSteps fitted(const std::vector<const RunGroup*>& groups, const std::vector<double>& lengths) {
@@ -48,13 +33,13 @@ ZeroSteps fitted(const std::vector<const RunGroup*>& groups, const std::vector<d
 }  // namespace
 
 std::string ZeroSteps::label() const {
-  const std::string others = curve_of(*this);
+  const std::string others = in_words(values);
   return others.empty() ? "at zero step" : others + " at zero step";
 }
 
 std::vector<ZeroSteps> at_zero_step(const std::vector<RunGroup>& groups) {
   struct Curve {
-    std::vector<std::pair<std::string, std::string>> others;
+    ScanValues others;
     std::vector<const RunGroup*> groups;
     std::vector<double> lengths;
     std::string steps;
@@ -68,7 +53,7 @@ std::vector<ZeroSteps> at_zero_step(const std::vector<RunGroup>& groups) {
     auto at = std::ranges::find(curves, others, &Curve::others);
     if (at == curves.end()) at = curves.insert(curves.end(), Curve{others, {}, {}, {}});
     at->groups.push_back(&group);
-    at->lengths.push_back(number_of(step->second));
+    at->lengths.push_back(number_in(step->second).value_or(0));
     at->steps += (at->steps.empty() ? "" : ", ") + step->second;
   }
   std::vector<ZeroSteps> all;
@@ -82,8 +67,7 @@ std::vector<ZeroSteps> at_zero_step(const std::vector<RunGroup>& groups) {
   return all;
 }
 
-void print_zero_steps(const ZeroSteps& of) {
-  say("{}: the line in h² through {} = {}; means lie on it while h⁴ is small\n", of.label(), kStep, of.steps);
+std::string in_words(const ZeroSteps& of, int width) {
   std::vector<std::vector<std::string>> rows = {{"", "", "", "χ²", "of", "on the line"}};
   for (const auto& [figure, fit] : of.figures)
     rows.push_back({"  " + figure.words, with_error(figure.value), figure.unit,
@@ -92,7 +76,9 @@ void print_zero_steps(const ZeroSteps& of) {
                     : fit.on_the_line()
                         ? "yes"
                         : fmt::format("no ({:.1g}): leave the longest step out", fit.chance)});
-  say_text(table_text(rows, terminal_width()));
+  return fmt::format("{}: the line in h² through {} = {}; means lie on it while h⁴ is small\n", of.label(),
+                     kStep, of.steps) +
+         table_text(rows, width);
 }
 
 nlohmann::ordered_json json_of(const ZeroSteps& of) {
@@ -116,9 +102,10 @@ std::string zero_steps_csv(const std::vector<ZeroSteps>& all) {
       "chance\n";
   for (const ZeroSteps& of : all)
     for (const auto& [figure, fit] : of.figures)
-      csv += fmt::format("{},{},{},{:.9g},{:.3g},{:.6g},{:.3g},{:.4g},{},{:.3g}\n", csv_cell(figure.words),
-                         csv_cell(figure.unit), csv_cell(curve_of(of)), fit.value.value, fit.value.error,
-                         fit.slope.value, fit.slope.error, fit.chi_square, fit.free, fit.chance);
+      csv +=
+          fmt::format("{},{},{},{:.9g},{:.3g},{:.6g},{:.3g},{:.4g},{},{:.3g}\n", csv_cell(figure.words),
+                      csv_cell(figure.unit), csv_cell(in_words(of.values)), fit.value.value, fit.value.error,
+                      fit.slope.value, fit.slope.error, fit.chi_square, fit.free, fit.chance);
   return csv;
 }
 

@@ -9,12 +9,16 @@ namespace taut {
 
 inline constexpr const char* kScanTable = "runs.csv";
 
+using ScanValues =
+    std::vector<std::pair<std::string, std::string>>;  // keys that a scan varies, and their values
+std::string in_words(const ScanValues& values);        // "run.temperature_k=300 method.name=newton"
+
 // One setting of a scan, and the folders of its runs, which differ by their seed.
 struct ScanPoint {
-  std::vector<std::pair<std::string, std::string>> values;  // key and value
+  ScanValues values;
   std::vector<std::filesystem::path> runs;
 
-  std::string label() const;  // "run.temperature_k=300 method.name=newton"
+  std::string label() const;  // its values, or "all"
 };
 
 bool is_scan(const std::filesystem::path& folder);

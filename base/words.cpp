@@ -1,10 +1,7 @@
-#include "words.hpp"
-
-#include <sys/ioctl.h>
-#include <unistd.h>
+#include "base/words.hpp"
 
 #include <algorithm>
-#include <cstdlib>
+#include <charconv>
 #include <sstream>
 
 namespace taut {
@@ -14,13 +11,10 @@ int columns_of(const std::string& text) {
       std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
 }
 
-int terminal_width() {
-  constexpr int kNeverWrapped = 1 << 20;
-  if (const char* said = std::getenv("COLUMNS")) return std::max(40, std::atoi(said));
-  winsize size{};
-  if (!isatty(STDOUT_FILENO) || ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0)
-    return kNeverWrapped;
-  return std::clamp(static_cast<int>(size.ws_col), 40, 120);
+std::optional<double> number_in(std::string_view text) {
+  double number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  return error == std::errc() && end == text.data() + text.size() ? std::optional(number) : std::nullopt;
 }
 
 std::string wrapped(const std::string& text, int width, int indent) {

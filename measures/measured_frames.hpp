@@ -5,27 +5,27 @@
 #include <string>
 #include <vector>
 
-#include "figures.hpp"
 #include "measures/chain_measures.hpp"
+#include "measures/figures.hpp"
 #include "measures/liquid_structure.hpp"
-#include "pictures.hpp"
+#include "measures/picture.hpp"
 #include "systems/scene/scene.hpp"
 
 namespace taut {
 
 // The measurements of a trajectory or of a run, frame by frame.
-class Measured {
+class MeasuredFrames {
  public:
   // atoms: the two names of the radial distribution; empty means the heaviest. The scene must outlive this object.
   // Throws InputError for a name that no atom has.
-  Measured(const Scene& scene, std::vector<std::string> atoms);
+  MeasuredFrames(const Scene& scene, std::vector<std::string> atoms);
 
   void add_frame(double t, const Vectors& x, const Box& box);  // [ps], later than the one before
 
   // The viscosity, by which diffusion in a box is corrected for its size [mPa s], and the temperature [K].
   void set_viscosity(const Estimate& viscosity, double temperature);
 
-  void print() const;
+  std::string in_words() const;  // lines
   std::vector<Figure> figures() const;
   nlohmann::ordered_json json() const;
   // Radial distribution, displacement, relaxation of chains: what there is. `curve` names the run in them.

@@ -1,21 +1,20 @@
-#include "measure_groups.hpp"
+#include "measures/run_groups.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <nlohmann/json.hpp>
 
 #include "base/errors.hpp"
+#include "base/words.hpp"
 #include "measures/csv.hpp"
-#include "printing.hpp"
-#include "scan_folder.hpp"
-#include "words.hpp"
 
 namespace taut {
 
-RunGroup group_runs(std::string label, std::vector<MeasuredRun> runs) {
-  RunGroup group{.values = {}, .label = std::move(label), .runs = std::move(runs), .figures = {}};
+RunGroup measure_group(const std::string& label, const std::vector<std::filesystem::path>& folders,
+                       const MeasureSettings& settings, Notes& notes) {
+  RunGroup group{.values = {}, .label = label, .runs = {}, .figures = {}};
+  for (const std::filesystem::path& folder : folders) group.runs.emplace_back(std::vector{folder}, settings);
   std::vector<std::vector<Figure>> figures;
   for (const MeasuredRun& run : group.runs) {
     const MeasuredRun& first = group.runs.front();
@@ -25,53 +24,40 @@ RunGroup group_runs(std::string label, std::vector<MeasuredRun> runs) {
                       "by their seed; measure them one by one",
                       first.name(), first.scene().name, run.name(), run.scene().name));
     if (&run != &first && run.scene().run.seed == first.scene().run.seed)
-      say("note: {} and {} have the same seed, {}: their means are not independent\n", first.name(),
-          run.name(), run.scene().run.seed);
+      notes.push_back(fmt::format("{} and {} have the same seed, {}: their means are not independent",
+                                  first.name(), run.name(), run.scene().run.seed));
     figures.push_back(run.figures());
   }
   group.figures = over_seeds(figures);
   return group;
 }
 
-RunGroup measure_group(const std::string& label, const std::vector<std::filesystem::path>& folders,
-                       const MeasureSettings& settings) {
-  std::vector<MeasuredRun> runs;
-  for (const std::filesystem::path& folder : folders) runs.emplace_back(std::vector{folder}, settings);
-  return group_runs(label, std::move(runs));
-}
-
-std::vector<RunGroup> measure_scan(const std::filesystem::path& folder, const MeasureSettings& settings) {
+std::vector<RunGroup> measure_scan(const std::filesystem::path& folder, const MeasureSettings& settings,
+                                   Notes& notes) {
   std::vector<RunGroup> groups;
   for (const ScanPoint& point : scan_points(folder)) {
     std::vector<std::filesystem::path> finished;
     std::ranges::copy_if(point.runs, std::back_inserter(finished), is_finished);
     if (finished.size() < point.runs.size())
-      say("note: {}: {} of {} runs are finished\n", point.label(), finished.size(), point.runs.size());
+      notes.push_back(
+          fmt::format("{}: {} of {} runs are finished", point.label(), finished.size(), point.runs.size()));
     if (finished.empty()) continue;
-    groups.push_back(measure_group(point.label(), finished, settings));
+    groups.push_back(measure_group(point.label(), finished, settings, notes));
     groups.back().values = point.values;
   }
   if (groups.empty()) throw InputError(fmt::format("{}: no run of the scan is finished", folder.string()));
   return groups;
 }
 
-void draw_scan(StudyFiles& files, const std::vector<RunGroup>& groups) {
-  files.draw({"scan", "means over seeds, bars: standard errors", points_csv(groups)});
-}
-
-void print_group(const RunGroup& group) {
-  say("{}: mean of {}; the error is the larger of the last two columns\n", group.label,
-      counted(std::ssize(group.runs), "run"));
+std::string in_words(const RunGroup& group, int width) {
   std::vector<std::vector<std::string>> rows = {{"", "", "", "by blocks", "by seeds"}};
   for (const OverSeeds& o : group.figures)
     rows.push_back({"  " + o.figure.words, with_error(o.figure.value), o.figure.unit,
                     fmt::format("{:.2g}", o.from_blocks),
                     o.runs > 1 ? fmt::format("{:.2g}", o.from_seeds) : "one run"});
-  say_text(table_text(rows, terminal_width()));
-  if (json_alone()) return;
-  for (const MeasuredRun& run : group.runs)
-    for (const std::string& doubt : run.doubts())
-      say_always(fmt::format("in doubt: {}: {}\n", run.name(), doubt));
+  return fmt::format("{}: mean of {}; the error is the larger of the last two columns\n", group.label,
+                     counted(std::ssize(group.runs), "run")) +
+         table_text(rows, width);
 }
 
 nlohmann::ordered_json json_of(const RunGroup& group) {
@@ -88,17 +74,13 @@ nlohmann::ordered_json json_of(const RunGroup& group) {
 }
 
 std::string each_run_csv(const RunGroup& group) {
-  std::string csv = "figure,unit,run,number,value,standard_error\n";
+  std::string csv = kEachRunHeader;
   for (const OverSeeds& o : group.figures) {
     long number = 0;
-    const auto row = [&](const std::string& run, long at, const Estimate& e) {
-      csv += fmt::format("{},{},{},{},{:.9g},{:.3g}\n", csv_cell(o.figure.words), csv_cell(o.figure.unit),
-                         csv_cell(run), at, e.value, e.error);
-    };
     for (const MeasuredRun& run : group.runs)
       for (const Figure& figure : run.figures())
-        if (figure.key == o.figure.key) row(run.name(), ++number, figure.value);
-    row("mean", 0, o.figure.value);
+        if (figure.key == o.figure.key) csv += each_run_row(figure, run.name(), ++number);
+    csv += each_run_row(o.figure, "mean", 0);
   }
   return csv;
 }
@@ -111,9 +93,7 @@ std::vector<double> along_x(const std::vector<RunGroup>& groups, bool& words) {
   std::vector<std::string> seen;
   for (const RunGroup& group : groups) {
     const std::string& text = group.values.at(0).second;
-    double number = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    if (error == std::errc() && end == text.data() + text.size()) numbers.push_back(number);
+    if (const auto number = number_in(text)) numbers.push_back(*number);
     auto at = std::ranges::find(seen, text);
     if (at == seen.end()) at = seen.insert(seen.end(), text);
     places.push_back(static_cast<double>(at - seen.begin() + 1));
@@ -155,6 +135,14 @@ std::string points_csv(const std::vector<RunGroup>& groups) {
                                groups[g].runs.front().scene().method.name(), o.figure.value.value,
                                o.figure.value.error, o.runs);
   return csv;
+}
+
+Picture picture_of(const std::vector<RunGroup>& groups) {
+  if (groups.size() == 1 && groups[0].values.empty())
+    return {"each_run",
+            groups[0].runs.front().scene().name + ": each run, and their mean; bars: standard errors",
+            each_run_csv(groups[0])};
+  return {"scan", "means over seeds, bars: standard errors", points_csv(groups)};
 }
 
 }  // namespace taut

@@ -1,21 +1,25 @@
-#include "scan_folder.hpp"
+#include "measures/scan_folder.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
 #include "base/errors.hpp"
+#include "files/text_file.hpp"
 #include "measures/csv.hpp"
-#include "pictures.hpp"
 
 namespace taut {
 
 namespace fs = std::filesystem;
 
-std::string ScanPoint::label() const {
+std::string in_words(const ScanValues& values) {
   std::string text;
   for (const auto& [key, value] : values) text += fmt::format("{}{}={}", text.empty() ? "" : " ", key, value);
-  return text.empty() ? "all" : text;
+  return text;
+}
+
+std::string ScanPoint::label() const {
+  return values.empty() ? "all" : in_words(values);
 }
 
 bool is_scan(const fs::path& folder) {

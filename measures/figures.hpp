@@ -1,6 +1,5 @@
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -17,8 +16,11 @@ struct Figure {
 };
 
 std::string with_error(const Estimate& e);  // "992.3 ± 1.8"; says so where there is no error
-nlohmann::ordered_json json_of(const Figure& figure);
 std::string figures_table(const std::vector<Figure>& figures);  // a line each
+
+// The table of each run's figures: figure, unit, run and its number, value, error. Of a mean over runs the number is 0.
+inline constexpr const char* kEachRunHeader = "figure,unit,run,number,value,standard_error\n";
+std::string each_run_row(const Figure& figure, const std::string& run, long number);
 
 // The mean of one figure over runs that differ by their seed. The error is the larger of two: what the runs'
 // own errors come to, √(Σeᵢ²)/n, and what the spread of their means tells, s/√n.
