@@ -164,7 +164,7 @@ void calibrate_scene(const CalibrateArguments& arguments) {
        {{"name", "baumgarte"},
         {"gains", c.method.gains},
         {"damping", c.method.damping},
-        {"reduction", c.method.reduction}}},
+        {"reduction", *c.method.reduction}}},
       {"run", run_line(arguments, method_of(c))},
   };
   if (!compared.empty()) {

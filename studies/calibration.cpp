@@ -304,8 +304,8 @@ Calibration calibrate(const Scene& scene, const CalibrationPlan& plan) {
   c.method = {.gains = plan.copies == "slowest" ? "swept" : "rattle",
               .damping = plan.damping,
               .reduction = as_printed(c.reduction_reference)};
-  const DimensionlessGains gains = plan.copies == "slowest" ? gains_for_sweeps(c.method.reduction, damping)
-                                                            : gains_for_decay(c.method.reduction, damping);
+  const DimensionlessGains gains = plan.copies == "slowest" ? gains_for_sweeps(*c.method.reduction, damping)
+                                                            : gains_for_decay(*c.method.reduction, damping);
   c.alpha_per_ps = gains.ah / h;
   c.beta_per_ps = gains.bh / h;
 
@@ -377,7 +377,7 @@ std::string disagreement(const CalibrationPlan& plan, const Calibration& c) {
 std::string method_of(const Calibration& c) {
   return fmt::format("baumgarte:gains={},{}reduction={}", c.method.gains,
                      c.method.damping == "discrete" ? "" : fmt::format("damping={},", c.method.damping),
-                     c.method.reduction);
+                     *c.method.reduction);
 }
 
 }  // namespace taut

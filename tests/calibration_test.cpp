@@ -40,8 +40,8 @@ TEST_P(CalibrationOfSweeps, TheLawCopiesRattle) {
     const double a_fifth =
         0.2 * c.reduction_reference;  // as many sweeps leave little, hundredths are no bound
     EXPECT_NEAR(c.of_stretch.measured, c.reduction_reference, std::min(0.002, a_fifth)) << name;
-    EXPECT_NEAR(c.method.reduction / c.reduction_reference, 1, 5e-6) << name;  // six digits of it
-    EXPECT_NEAR(c.of_stretch.predicted / c.method.reduction, 1, 1e-9) << name;
+    EXPECT_NEAR(*c.method.reduction / c.reduction_reference, 1, 5e-6) << name;  // six digits of it
+    EXPECT_NEAR(c.of_stretch.predicted / *c.method.reduction, 1, 1e-9) << name;
     EXPECT_NEAR(c.of_rate.measured, c.reduction_reference, std::min(0.01, a_fifth)) << name;
     EXPECT_NEAR(c.after_rate.measured, c.reduction_reference, std::min(0.01, a_fifth)) << name;
     EXPECT_LT(c.floor_measured, 3e-8) << name;
@@ -169,10 +169,10 @@ TEST(Calibration, CopiesWhatIsAsked) {
     };
     const Calibration mean = with("mean"), first = with("first"), slowest = with("slowest");
     const std::vector<double>& reference = mean.reference.stretch;
-    EXPECT_NEAR(mean.method.reduction, std::pow(reference[mean.window] / reference[0], 1.0 / mean.window),
+    EXPECT_NEAR(*mean.method.reduction, std::pow(reference[mean.window] / reference[0], 1.0 / mean.window),
                 1e-5);
-    EXPECT_NEAR(first.method.reduction, reference[1] / reference[0], 1e-5);
-    EXPECT_NEAR(slowest.method.reduction, 0.36, 0.01);
+    EXPECT_NEAR(*first.method.reduction, reference[1] / reference[0], 1e-5);
+    EXPECT_NEAR(*slowest.method.reduction, 0.36, 0.01);
     EXPECT_EQ(slowest.method.gains, "swept");
     for (const Calibration& c : {mean, first, slowest}) {
       EXPECT_NEAR(c.of_stretch.measured / c.of_stretch.predicted, 1, 0.05) << c.method.gains;

@@ -42,8 +42,7 @@ class Baumgarte : public ConstraintMethod {
   struct Options {
     std::string gains = "reversible";
     std::string damping = "discrete";
-    std::optional<double> alpha_per_ps = {}, beta_per_ps = {};
-    double reduction = 0;
+    std::optional<double> alpha_per_ps = {}, beta_per_ps = {}, reduction = {};
     double stiffness = 4.5e5;
     int sweeps = 0;
     double tolerance = 1e-7;
@@ -55,7 +54,7 @@ class Baumgarte : public ConstraintMethod {
       return {.name = gains,
               .alpha_per_ps = alpha_per_ps,
               .beta_per_ps = beta_per_ps,
-              .reduction = reduction,
+              .reduction = reduction.value_or(0),
               .stiffness = stiffness};
     }
     // Whether the kernels in lanes solve it: textbooks' laws and sweeps have the plain form alone.

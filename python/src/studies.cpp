@@ -117,7 +117,7 @@ py::dict calibrate_scene(const Input& input, const py::dict& asked) {
   }
   for (const auto& [name, value] : figures_of(c)) result[name] = value;
   result["window"] = c.window;
-  result["reduction"] = c.method.reduction;
+  result["reduction"] = *c.method.reduction;
   result["reference"] = course(c.reference), result["baumgarte"] = course(c.baumgarte);
   result["disagreement"] = disagreement(plan, c);
   return result;
