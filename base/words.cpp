@@ -24,7 +24,7 @@ std::string wrapped(const std::string& text, int width, int indent) {
   while (words >> word) {
     const int wide = columns_of(word);
     if (column > indent && column + 1 + wide > width) {
-      lines += "\n" + std::string(static_cast<std::size_t>(indent), ' ');
+      lines.append(1, '\n').append(static_cast<std::size_t>(indent), ' ');
       column = indent;
     } else if (column > indent) {
       lines += " ";
