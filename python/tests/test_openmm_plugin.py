@@ -15,7 +15,7 @@ import taut
 import taut.openmm
 
 app, unit = pytest.importorskip("openmm.app"), pytest.importorskip("openmm.unit")
-KJ, NM, PS = unit.kilojoule_per_mole, unit.nanometer, unit.picosecond
+NM, PS = unit.nanometer, unit.picosecond
 PLATFORMS = ["Reference", "CPU"]
 
 

@@ -74,28 +74,6 @@ def test_verify_sees_what_is_wrong():
     assert np.isnan(taut.verify("rattle", "water", set=WATER, steps=2)["across_bonds"])
 
 
-def test_own_shake_lies_on_shakes_curve(my_shake):
-    chains = {"build.chains": 4}
-    work = taut.chart("freely_jointed", ["shake", my_shake], quick=True, panels="work", set=chains)["work"]
-    curve, error = np.array(work["curve"]), np.array(work["rms_rel_bond_error"])
-    parameter, value = np.array(work["parameter"]), np.array(work["value"])
-    of = {name: dict(zip(value[(curve == name)], error[curve == name]))
-          for name in ("shake (tolerance)", "MyShake (tolerance)")}
-    assert len(of["MyShake (tolerance)"]) == 3 and "tolerance" in parameter
-    for tolerance, theirs in of["shake (tolerance)"].items():
-        assert theirs / 5 < of["MyShake (tolerance)"][tolerance] < 2 * theirs  # bonds in another order
-
-
-def test_own_method_in_calibrate_and_stability(my_shake):
-    chains = {"build.chains": 2}
-    ours = taut.calibrate("freely_jointed", against=my_shake, set=chains)
-    theirs = taut.calibrate("freely_jointed", against="shake:tolerance=1e-8", set=chains)
-    assert ours["alpha_per_ps"] == pytest.approx(theirs["alpha_per_ps"], rel=0.2)
-    steps = taut.stability("double_pendulum", [my_shake, "shake"], quick=True, steps=20, plane=False)["steps"]
-    largest = dict(zip(steps["method"], steps["largest_stable_fs"]))
-    assert largest["MyShake"] == pytest.approx(largest["shake"], rel=0.3) and largest["shake"] > 10
-
-
 class Baumgarte(taut.ConstraintMethod):
     """The bond's acceleration with feedback, solved densely."""
 
@@ -154,29 +132,6 @@ def test_options_are_the_class_arguments():
         taut.Simulation("double_pendulum", method=Rattle)
 
 
-@pytest.mark.parametrize("stage", ["project_positions", "add_forces", "project_velocities"])
-def test_an_exception_in_a_stage_is_its_own_and_leaves_the_step_before(stage):
-    class Breaks(taut.ConstraintMethod):
-        steps = 0
-
-    def act(self, system, h, state):
-        state.positions[:] += 1
-        if not getattr(h, "starts", False):  # h, or a Push
-            self.steps += 1
-        if state.time_ps > 0.0085:
-            raise ZeroDivisionError("mine")
-        state.positions[:] -= 1
-
-    setattr(Breaks, stage, act)
-    sim = taut.Simulation("double_pendulum", method=Breaks, dt_fs=1)
-    with pytest.raises(ZeroDivisionError, match="mine"):
-        sim.run(100)
-    assert sim.steps_taken == 8 and np.isfinite(sim.positions).all()
-    undisturbed = taut.Simulation("double_pendulum", method=taut.ConstraintMethod, dt_fs=1)
-    undisturbed.run(8)
-    assert np.allclose(sim.positions, undisturbed.positions, atol=1e-9)
-
-
 @pytest.mark.parametrize("left, words", [
     (lambda x: x[:2], "expected numbers of shape"), (lambda x: x.ravel(), "expected numbers of shape"),
     (lambda x: x.astype(str), "could not convert|expected numbers"), (lambda x: None, "expected numbers"),
@@ -201,18 +156,11 @@ def test_other_arrays_of_the_right_shape_are_taken():
     assert np.array_equal(sim.positions, plain.positions)
 
 
-def test_nan_and_not_converged_fail_the_step():
-    class Nan(taut.ConstraintMethod):
-        def project_positions(self, system, h, state):
-            state.positions[2] = np.nan
-
+def test_not_converged_fails_the_step():
     class GivesUp(taut.ConstraintMethod):
         def project_positions(self, system, h, state):
             return taut.NotConverged(7, bond=1)
 
-    with pytest.raises(taut.SimulationFailure) as failed:
-        taut.Simulation("double_pendulum", method=Nan).run(5)
-    assert failed.value.step == 1 and np.isfinite(failed.value.positions).all()
     with pytest.raises(taut.SimulationFailure, match="no convergence") as failed:
         taut.Simulation("double_pendulum", method=GivesUp).run(5)
     assert failed.value.bond == 1 and failed.value.atoms == (1, 2)

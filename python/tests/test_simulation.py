@@ -1,10 +1,7 @@
 import gc
-import itertools
 import pickle
 import re
 import subprocess
-import sys
-import threading
 from types import SimpleNamespace
 
 import numpy as np
@@ -53,15 +50,7 @@ def test_trajectories_as_the_command_writes_them(command, tmp_path):
         assert (tmp_path / "python" / name).read_bytes() == (tmp_path / "command" / name).read_bytes()
 
 
-def test_a_dict_is_a_scene():
-    sim = taut.Simulation({
-        "build": {"kind": "chains", "chains": 2, "beads": 5, "bond_nm": 0.15, "mass_u": 14},
-        "run": {"dt_fs": 10, "temperature_k": 300, "seed": 3}, "method": {"name": "newton"}})
-    sim.run(10)
-    assert sim.positions.shape == (10, 3) and abs(sim.bond_errors).max() < 1e-9
-
-
-def test_molecules_and_places_of_a_dict(tmp_path):
+def test_molecules_and_places_of_a_dict():
     polymer = {"atoms": [{"name": "B", "mass_u": 72, "sigma_nm": 0.47, "epsilon_kj_mol": 3.5}], "units": 8,
                "bonds": [[0, 1, 0.35]], "angles": [[0, 1, 2, 120, 25]]}
     scene = {"molecule": {"polymer": polymer}, "place": [{"molecule": "polymer", "count": np.int64(3)}],
@@ -71,29 +60,6 @@ def test_molecules_and_places_of_a_dict(tmp_path):
     sim.run(20)
     assert sim.positions.shape == (30, 3) and len(sim.bonds) == 27 and set(sim.names["atom"]) == {"B"}
     assert abs(sim.bond_errors).max() < 1e-6 and np.array_equal(sim.box, 4 * np.eye(3))
-    file = tmp_path / "polymers.toml"
-    file.write_text("""
-[molecule.polymer]
-atoms  = [{name = "B", mass_u = 72, sigma_nm = 0.47, epsilon_kj_mol = 3.5}]
-units  = 10
-bonds  = [[0, 1, 0.35]]
-angles = [[0, 1, 2, 120, 25]]
-[[place]]
-molecule = "polymer"
-count = 3
-[build]
-box_nm = 4
-[forcefield]
-cutoff_nm = 1.1
-[run]
-dt_fs = 10
-temperature_k = 300
-seed = 3
-minimise = true
-""")
-    of_file = taut.Simulation(file)
-    of_file.run(20)
-    assert np.array_equal(sim.positions, of_file.positions)
     for wrong, words in [({"place": {"molecule": "polymer"}}, "place"),
                          ({"place": [{"molecule": "polimer"}]}, "polymer"),
                          ({"molecule": {"polymer": {**polymer, "unit": 3}}}, "did you mean \"units\""),
@@ -146,18 +112,6 @@ def test_what_is_written_is_brought_to_the_bonds():
     sim.run(1)
     assert abs(sim.bond_errors).max() < 1e-9
     assert sim.energies["kinetic"] == pytest.approx(0, abs=1e-20)
-
-
-def test_written_in_a_callback():
-    sim = taut.Simulation("freely_jointed", method="newton", set={"build.chains": 2})
-
-    start = sim.energies["kinetic"]
-
-    def slow_down(row):
-        sim.velocities[:] *= 0.5
-
-    sim.run(20, every=10, callback=slow_down)
-    assert sim.steps_taken == 20 and sim.energies["kinetic"] == pytest.approx(start / 4**3, rel=1e-4)
 
 
 def test_log_and_summary():
@@ -273,80 +227,6 @@ def test_a_minimisation_has_a_limit_and_says_how_far_it_is(capsys):
     for wrong, words in (({"steps": 0}, "steps=0"), ({"steps": 2.5}, "whole number"), ({"force_kj_mol_nm": 0}, "more than 0")):
         with pytest.raises(taut.InputError, match=words):
             sim.minimise(**wrong)
-
-
-def test_a_callback_stops_it():
-    sim = taut.Simulation("chain")
-    sim.run(1000, every=10, callback=lambda row: row.step < 30)
-    assert sim.steps_taken == 30
-
-
-def test_an_exception_in_a_callback_leaves_all_whole():
-    sim, other = taut.Simulation("chain"), taut.Simulation("chain")
-    count = itertools.count()
-
-    def raises(row):
-        if next(count) == 2:
-            raise KeyError("mine")
-
-    with pytest.raises(KeyError, match="mine"):
-        sim.run(100, every=10, callback=raises)
-    assert sim.steps_taken == 20
-    sim.run(30)
-    other.run(50)
-    assert np.array_equal(sim.positions, other.positions)
-    with pytest.raises(KeyError):
-        taut.Simulation("chain").run(10, callback={}.__getitem__)
-
-
-def test_ctrl_c_stops_between_steps():
-    program = """
-import os, signal, threading, taut
-sim = taut.Simulation("water", set={"build.molecules": 64, "forcefield.cutoff_nm": 0.6})
-signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background ignores it
-threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
-try:
-    sim.run(100_000_000)
-except KeyboardInterrupt:
-    taken = sim.steps_taken
-    sim.run(5)
-    print("stopped", 0 < taken and sim.steps_taken == taken + 5)
-"""
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
-    assert done.stdout == "stopped True\n", done.stderr
-
-
-def test_two_simulations_in_two_threads():
-    settings = {"build.molecules": 64, "forcefield.cutoff_nm": 0.6}
-    sims = [taut.Simulation("water", set={**settings, "run.seed": seed}) for seed in (1, 1)]
-    threads = [threading.Thread(target=sim.run, args=(200,)) for sim in sims]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert np.array_equal(sims[0].positions, sims[1].positions) and sims[0].steps_taken == 200
-
-
-@pytest.mark.parametrize("kind", ["dcd", "h5md"])
-def test_trajectories_are_read_by_mdanalysis(tmp_path, kind):
-    analysis = pytest.importorskip("MDAnalysis", reason="needs MDAnalysis (Debian: python3-mdanalysis)")
-    pytest.importorskip("h5py", reason="needs h5py (Debian: python3-h5py)")
-    try:
-        sim = taut.Simulation("water", set={"run.trajectory_every": 5, "run.trajectory": kind, "build.molecules": 64,
-                                            "forcefield.cutoff_nm": 0.6}, out=tmp_path)
-    except ValueError as error:
-        if "built without HDF5" in str(error):
-            pytest.skip(str(error))
-        raise
-    sim.run(20)
-    box, positions, velocities = 10 * np.diag(sim.box), 10 * sim.positions, 10 * sim.velocities
-    del sim
-    gc.collect()
-    read = analysis.Universe(str(tmp_path / "start.pdb"), str(tmp_path / f"trajectory.{kind}"))
-    assert [frame.time for frame in read.trajectory] == pytest.approx([0, 0.01, 0.02, 0.03, 0.04], abs=1e-6)
-    read.trajectory[-1]
-    assert np.allclose(read.atoms.positions, positions, atol=1e-4) and np.allclose(read.dimensions[:3], box, atol=1e-4)
-    assert kind == "dcd" or np.allclose(read.atoms.velocities, velocities, atol=1e-4)
 
 
 def test_universe():

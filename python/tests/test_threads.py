@@ -110,26 +110,6 @@ def test_simulations_side_by_side_have_their_own_bits(default):
         assert np.array_equal(beside[n], alone[n])
 
 
-def test_a_default_that_changes_is_for_simulations_to_come(default):
-    taut.use_threads(1)
-    sim = taut.Simulation("water", set=WATER, threads=2)
-    made = []
-
-    def look(row):
-        made.extend([taut.threads(), taut.Simulation("pair").threads])
-
-    taut.use_threads(3)
-    sim.run(5, every=5, callback=look)
-    assert set(made) == {3} and sim.threads == 2
-    sim.minimise(1e5)
-    sim.run(15)
-    other = taut.Simulation("water", set=WATER, threads=2)
-    other.run(5)
-    other.minimise(1e5)
-    other.run(15)
-    assert np.array_equal(sim.positions, other.positions)
-
-
 def test_goes_on_with_as_many_as_it_had(default, tmp_path):
     sim = taut.Simulation("water", set=WATER, threads=2, out=tmp_path / "run")
     sim.run(10)
@@ -167,18 +147,6 @@ print(taut.Simulation("pair", threads=2).threads)
 """
     words = "OMP_NUM_THREADS=two:_expected_a_whole_number_from_1_to_1024"
     assert said(refused, OMP_NUM_THREADS="two") == [words, words, "2"]
-
-
-def test_fewer_threads_than_asked_change_no_bits():
-    program = """
-import hashlib, taut
-sim = taut.Simulation("water", set={"build.molecules": 600}, threads=3)
-sim.run(10)
-print(hashlib.sha256(sim.positions.tobytes()).hexdigest())
-"""
-    bits = said(program)
-    assert said(program, OMP_THREAD_LIMIT="2") == bits
-    assert said(program, OMP_DYNAMIC="true", OMP_THREAD_LIMIT="1") == bits
 
 
 @pytest.mark.parametrize("threads", [0, -1, 1025])

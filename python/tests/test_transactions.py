@@ -2,8 +2,6 @@
 disturbed, to the last bit."""
 
 import itertools
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -29,14 +27,6 @@ def expect_same(one, other, log=True):
     assert np.array_equal(one.tensions, other.tensions)
     for name, column in one.log.items() if log else ():
         assert name == "ns_per_day" or np.array_equal(column, other.log[name], equal_nan=True), name
-
-
-@pytest.fixture(params=[1, 2], ids=["1 thread", "2 threads"])
-def threads(request):
-    before = taut.threads()
-    taut.use_threads(request.param)
-    yield request.param
-    taut.use_threads(before)
 
 
 class Own(taut.ConstraintMethod):
@@ -76,8 +66,7 @@ class Field(taut.Force):
 
 
 @pytest.mark.parametrize("bath", BATHS)
-@pytest.mark.parametrize("method", ["rattle", "shake", "newton", "feedforward", "baumgarte", "settle", "lincs",
-                                    "mshake", "penalty", Own])
+@pytest.mark.parametrize("method", ["feedforward", "penalty", Own])
 def test_written_in_a_callback_is_as_between_runs(method, bath):
     held = method not in ("penalty", Own)
     watched, stopped = (taut.Simulation("water", method=method, dt_fs=1 if held else 0.05, set={**WATER, **BATHS[bath]})
@@ -104,17 +93,6 @@ def test_written_in_a_callback_is_as_between_runs(method, bath):
     for one in (watched, stopped):
         one.run(5)
     expect_same(watched, stopped, log=False)
-
-
-def test_written_in_a_callback_on_threads(threads):
-    sim = taut.Simulation("water", method="feedforward", set={**WATER, **BATHS["monte-carlo"]})
-
-    def slow_down(row):
-        sim.velocities[:] *= 0.9
-
-    sim.run(60, every=10, callback=slow_down)
-    sim.run(60)
-    assert sim.steps_taken == 120 and abs(sim.bond_errors).max() < 1e-6
 
 
 class Custom(BaseException):
@@ -150,7 +128,7 @@ def disturbed(place, thrown, bath, at):
     *((bath, "add", KeyboardInterrupt) for bath in BATHS), *(("alone", "add", thrown) for thrown in EXCEPTIONS),
     *(("alone", place, ZeroDivisionError) for place in PLACES[1:]),
     *(("c-rescale", place, Custom) for place in PLACES[1:])])
-@pytest.mark.parametrize("at", [5, 19, 20])
+@pytest.mark.parametrize("at", [5, 20])
 def test_an_exception_in_a_step_takes_it_back(bath, place, thrown, at):
     sim, undisturbed, seen = disturbed(place, thrown, bath, at)
     with pytest.raises(thrown, match="mine"):
@@ -171,7 +149,7 @@ def test_an_exception_in_a_step_takes_it_back(bath, place, thrown, at):
         assert sim.summary[key] == never.summary[key]
 
 
-@pytest.mark.parametrize("thrown", EXCEPTIONS)
+@pytest.mark.parametrize("thrown", [KeyboardInterrupt, ZeroDivisionError])
 @pytest.mark.parametrize("bath", ["alone", "monte-carlo"])
 def test_an_exception_in_a_start_or_a_minimisation_takes_it_back(bath, thrown):
     asks = {"minimise": lambda sim: sim.minimise(10), "energies": lambda sim: sim.energies,
@@ -199,7 +177,7 @@ def test_an_exception_in_a_start_or_a_minimisation_takes_it_back(bath, thrown):
         expect_same(sim, undisturbed)
 
 
-@pytest.mark.parametrize("thrown", EXCEPTIONS)
+@pytest.mark.parametrize("thrown", [KeyboardInterrupt, KeyError])
 @pytest.mark.parametrize("step", [0, 10, 20])
 def test_an_exception_in_a_callback_stops_between_steps(thrown, step, tmp_path):
     sim, other = (taut.Simulation("water", set=WATER, out=tmp_path / name) for name in ("sim", "other"))
@@ -345,27 +323,6 @@ def test_code_that_runs_another_simulation():
     with pytest.raises(ZeroDivisionError):
         sim.run(10)
     assert sim.steps_taken == 5 - 1
-
-
-@pytest.mark.parametrize("long", ["sim.minimise(1e-9)",
-                                  "taut.Simulation('water', set={**settings, **relaxed})"])
-def test_ctrl_c_is_heard_in_a_minimisation_and_leaves_all_as_it_was(long):
-    program = f"""
-import os, signal, sys, threading, time, numpy, taut
-settings = {{"build.molecules": 1728}}
-relaxed = {{"run.minimise": True, "run.minimise_force_kj_mol_nm": 1e-9}}
-sim = taut.Simulation("water", set=settings)
-before = sim.positions.copy()
-signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background ignores it
-threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
-try:
-    {long}
-except KeyboardInterrupt:
-    print("heard", numpy.array_equal(sim.positions, before))
-    sim.run(1)
-"""
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=300)
-    assert done.stdout == "heard True\n", done.stdout + done.stderr
 
 
 def test_why_a_start_failed_is_its_cause():
