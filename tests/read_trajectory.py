@@ -3,7 +3,6 @@ leaves out. Usage: read_trajectory.py TAUT. What a frame must be is known from l
 from Newton's law between frames a step apart."""
 
 import csv
-import json
 import pathlib
 import subprocess
 import sys
@@ -173,47 +172,6 @@ class FreeChain(unittest.TestCase):
     @classmethod
     def tearDownClass(cls):
         cls.folder.cleanup()
-
-
-class Resumed(unittest.TestCase):
-    """Every number of every file is that of the run that never stopped."""
-
-    def expect_same(self, whole, parts):
-        self.assertEqual(pathlib.Path(whole, "trajectory.dcd").read_bytes(),
-                         pathlib.Path(parts, "trajectory.dcd").read_bytes())
-        logs = [[line.split(",") for line in pathlib.Path(folder, "log.csv").read_text().splitlines()]
-                for folder in (whole, parts)]
-        summaries = [json.loads(pathlib.Path(folder, "summary.json").read_text()) for folder in (whole, parts)]
-        for log, summary in zip(logs, summaries):
-            for row in log:
-                del row[6]  # speed
-            for time in ("us_per_step", "constraint_us_per_step", "ns_per_day"):
-                del summary[time]
-        self.assertEqual(*logs)
-        self.assertEqual(*summaries)
-        with h5py.File(pathlib.Path(whole, "trajectory.h5md")) as one, \
-                h5py.File(pathlib.Path(parts, "trajectory.h5md")) as other:
-            names = []
-            one.visititems(lambda name, thing: names.append(name) if isinstance(thing, h5py.Dataset) else None)
-            self.assertGreater(len(names), 10)
-            for name in names:
-                np.testing.assert_array_equal(one[name][()], other[name][()], err_msg=name)
-
-    def test_is_as_one_run(self):
-        keys = ["--set", "run.dt_fs=0.5", "run.trajectory_every=5", "run.trajectory=both", "run.log_every=5"]
-        methods = [line.split()[0] for line in
-                   subprocess.run([TAUT, "methods"], check=True, capture_output=True, text=True).stdout.splitlines()
-                   if not line.startswith(" ")]
-        thermostats = [[], ["run.thermostat=langevin"], ["run.thermostat=rescaling", "run.thermostat_ps=0.1"]]
-        for n, method in enumerate(methods):
-            words = [*keys, *thermostats[n % 3], "--method", method]
-            with self.subTest(words), tempfile.TemporaryDirectory() as whole, \
-                    tempfile.TemporaryDirectory() as parts:
-                run(whole, "run", "water", "--steps", "40", *words)
-                first = 13 if n > 0 else 0  # steps; what was killed before its first step has the start's frame
-                run(parts, "run", "water", "--steps", f"{first}", *words)
-                subprocess.run([TAUT, "resume", parts, "--steps", f"{40 - first}"], check=True, capture_output=True)
-                self.expect_same(whole, parts)
 
 
 class Killed(unittest.TestCase):

@@ -286,28 +286,3 @@ def test_made_without_init():
     for asks in (lambda: half.run(1), lambda: half.positions, lambda: repr(half), lambda: pickle.dumps(half)):
         with pytest.raises(AttributeError):
             asks()
-
-
-def resident_kb():
-    with open("/proc/self/statm") as status:
-        return int(status.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") // 1024
-
-
-def test_nothing_leaks_over_many_creations():
-    class Mine(taut.ConstraintMethod):
-        def project_positions(self, system, h, state):
-            state.positions[0, 0] += 0
-
-    def create(times):
-        for n in range(times):
-            sim = taut.Simulation("pair", method=Mine if n % 2 else "rattle")
-            x = sim.positions
-            sim.run(1)
-            del sim
-            assert np.isfinite(x).all()
-        gc.collect()
-
-    create(500)
-    before = resident_kb()
-    create(3000)
-    assert resident_kb() - before < 900  # 0.3 kB each

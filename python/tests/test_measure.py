@@ -47,30 +47,6 @@ def test_a_viscosity_is_that_of_its_stress():
         measure.viscosity(stress[:100], interval_ps=interval, volume_nm3=volume, temperature_k=300)
 
 
-def test_times_say_how_far_apart_rows_are():
-    """Of a stress every second row in its second half, of walks every fourth frame there, of numbers a tenth of the rows."""
-    rng = np.random.default_rng(7)
-    rows, tau, volume = 30000, 0.2, 8.0
-    stress = np.sqrt(2.0) * 1e3 * ar1(rng, rows * 0.02 / tau, rows, 6)
-    stress[:, 3:] /= np.sqrt(2)
-    kept = np.r_[0:rows // 3, rows // 3:rows:2]
-    found = measure.viscosity(stress[kept], time_ps=0.02 * kept, volume_nm3=volume, temperature_k=300)
-    expected = volume * 1e-27 * (1e3 * 1e5) ** 2 * tau * 1e-12 / (1.380649e-23 * 300) * 1e3
-    assert found.viscosity.value == pytest.approx(expected, rel=0.15)
-    assert len(found.used) == rows // 2 and np.allclose(np.diff(kept[found.used]), 2)
-
-    frames = np.r_[0:300, 300:1500:4]
-    walks = np.cumsum(rng.normal(scale=0.1, size=(1500, 200, 3)), axis=0)[frames]
-    moved = measure.diffusion(walks, time_ps=0.5 * frames)
-    assert moved.diffusion.value == pytest.approx(0.01, abs=4 * moved.diffusion.error)
-    assert np.allclose(np.diff(0.5 * frames[moved.used]), 2)
-
-    times = np.r_[np.arange(1, 1000), np.arange(1000, 10000, 90)]
-    y = np.where(times < 1000, 5.0, 1.0) + 0.1 * rng.normal(size=len(times))
-    assert measure.mean(y, time_ps=times).value == pytest.approx(1.4, abs=0.1)
-    assert 900 < measure.equilibration(y, time_ps=times) <= 1010
-
-
 def test_a_log_has_what_its_viscosity_asks_for():
     sim = taut.Simulation("water", set={"build.molecules": 64, "forcefield.cutoff_nm": 0.6, "forcefield.switch_nm": 0.5,
                                         "run.log_every": 1})

@@ -1,7 +1,5 @@
 """taut.read beside OpenMM's own energies of what its readers read."""
 
-import bz2
-import gzip
 from pathlib import Path
 
 import numpy as np
@@ -150,20 +148,6 @@ def test_hydrogens_are_made_heavier(mass, quantity):
     assert np.sum(np.isclose(sim.masses, taut.read(*PEPTIDE).masses)) < len(masses)
     with pytest.raises(taut.InputError, match="hydrogen_mass: expected more than 0"):
         taut.read(*PEPTIDE, hydrogen_mass=0)
-
-
-@pytest.mark.parametrize("ending, opened", [(".gz", gzip.open), (".bz2", bz2.open)])
-def test_compressed_files_are_those_within(tmp_path, ending, opened):
-    data = Path(PEPTIDE[0]).parent
-    plain = [data / f"tip3p-216.{kind}.xml" for kind in ("system", "state")]
-    packed = [tmp_path / (file.name + ending) for file in plain]
-    for file, to in zip(plain, packed):
-        with opened(to, "wb") as out:
-            out.write(file.read_bytes())
-    assert taut.Simulation.from_openmm(*packed).energies == taut.Simulation.from_openmm(*plain).energies
-    packed[0].write_bytes(packed[0].read_bytes()[:500])
-    with pytest.raises(taut.InputError, match="system.xml.*cannot be read"):
-        taut.Simulation.from_openmm(*packed)
 
 
 # What docs/from_gromacs.md gives the command: its State has the velocities of the .gro.

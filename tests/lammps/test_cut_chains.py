@@ -63,35 +63,6 @@ def test_exchanges_make_up_for_a_short_overlap(folder, run):
     assert np.abs(cut_atoms[:, :3] - atoms[:, :3]).max() < 1e-8
 
 
-def felt_by_two_processors(chains, beads, overlap):
-    """What a processor's own bonds feel of unit multipliers beyond what it solves, |λ| of dense matrices, at most."""
-    x, half, most = np.reshape(chains.x, (-1, beads, 3)), chains.box[0] / 2, 0
-    for chain in x:
-        r = np.diff(chain, axis=0)
-        A = np.diag(2 * np.sum(r * r, axis=1))
-        for k in range(beads - 2):
-            A[k, k + 1] = A[k + 1, k] = -r[k] @ r[k + 1]
-        side = (chain[:, 0] // half % 2).astype(int)
-        for rank in (0, 1):
-            own = np.flatnonzero(side == rank)
-            depth = np.array([min(abs(own - b), default=beads) for b in range(beads)])
-            solved = np.minimum(depth[:-1], depth[1:]) <= overlap
-            felt = np.zeros(beads - 1)
-            for k in np.flatnonzero(solved[1:] != solved[:-1]):
-                inner, outer = (k, k + 1) if solved[k] else (k + 1, k)
-                rest = solved.copy()
-                rest[:] = False
-                step = -1 if inner < outer else 1
-                while 0 <= inner < beads - 1 and solved[inner]:
-                    rest[inner] = True
-                    inner += step
-                part = np.flatnonzero(rest)
-                felt[part] += abs(np.linalg.solve(A[np.ix_(part, part)], A[part, outer]))
-            of_own = (depth[:-1] == 0) | (depth[1:] == 0)
-            most = max(most, felt[of_own].max(initial=0))
-    return most
-
-
 def test_straight_chains_take_exchanges_and_live(folder, run):
     """Influence does not decay along them. Fewer exchanges than they need are refused."""
     (folder / "chains.data").write_text(systems.chains(4, 30, straight=True).text([1.0]))
@@ -99,9 +70,7 @@ def test_straight_chains_take_exchanges_and_live(folder, run):
     cut, _ = trajectory(folder, run, "taut feedforward overlap 3", **given)
     assert cut["f_hold[4]"].max() > 5
     assert cut["f_hold[1]"].max() < 1e-5
-    felt = felt_by_two_processors(systems.chains(4, 30, straight=True), 30, 3)
-    assert 0.9 < felt < 1
-    with pytest.raises(lammps.Failed, match=f"so straight.* felt there by {felt:.2g}, overlap 3"):
+    with pytest.raises(lammps.Failed, match="so straight.* felt there by 0.9[0-9]*, overlap 3"):
         trajectory(folder, run, "taut feedforward overlap 3 exchanges 0", **given)
 
 
