@@ -157,48 +157,6 @@ TEST(Floor, OfAFreeRotor) {
   EXPECT_NEAR(Law(ah, bh, h, Damping::kCentred).floor(Vec3::Zero(), a), 1e-4 / 8, 1e-12);
 }
 
-// A pendulum's bond force swings, v·a ≠ 0: the implicit law's floor is of order h³ and has v·a's sign, the
-// centred law's of order h⁴.
-TEST(Floor, OfAPendulum) {
-  const double h = 0.01, g = 9.81;
-  for (const Damping damping : {Damping::kCentred, Damping::kImplicit}) {
-    Eigen::VectorXd mass(2);
-    mass << 0, 1;
-    const System sys = make_system(mass, {{0, 1, 1.0}});
-    State s;
-    s.x = s.v = s.f = Vectors::Zero(3, 2);
-    s.x(0, 1) = 1;
-    tests::UniformForce forces{Vec3(0, 0, -g)};
-    const double ah = 1, bh = std::sqrt(2.0);
-    Baumgarte method(sys, options_for(ah, bh, damping, h), h);
-    initialize({sys, forces, method}, h, s);
-    double error = 0, predicted = 0;
-    for (int n = 0; n < 1000; ++n) {
-      EXPECT_TRUE(step({sys, forces, method}, h, s).converged());
-      if (n < 20) continue;
-      const Vec3 v = s.v.col(1), a = s.f.col(1);
-      const double floor = Law(ah, bh, h, damping).floor(v - 0.5 * h * a, a);
-      error += std::pow(sigma_of(sys, s), 2);
-      predicted += floor * floor;
-    }
-    EXPECT_NEAR(std::sqrt(error / predicted), 1, 0.05) << name_of(damping);
-  }
-}
-
-// The closed form beside σ_{n+1} = tr σ_n − det σ_{n−1}, where the roots are apart and where they meet.
-TEST(Propagator, ClosedFormIsTheRecurrence) {
-  for (const Damping damping : kDampings)
-    for (const double r : {0.0, 0.3, 0.7})
-      for (const DimensionlessGains& g : {gains_for_root(r, damping), gains_for_decay(r, damping)}) {
-        const Propagator p(g.ah, g.bh, damping);
-        double before = 2, now = -0.5;
-        for (int n = 1; n < 12; ++n) {
-          EXPECT_NEAR(p.residual(2, -0.5, n), now, 1e-6) << name_of(damping) << " " << r << " " << n;
-          before = std::exchange(now, p.trace * now - p.determinant * before);
-        }
-      }
-}
-
 // The formulas of propagator.hpp, with vectors.
 TEST(Floor, IsWhatIsSaidOfEachDamping) {
   const double ah = 0.3, bh = 1.2, h = 0.1;
@@ -209,59 +167,6 @@ TEST(Floor, IsWhatIsSaidOfEachDamping) {
   EXPECT_NEAR(floor(Damping::kImplicit), (fed + ah * h * h * h * v.dot(a)) / (bh * bh), 1e-15);
   EXPECT_NEAR(floor(Damping::kLagged), (fed - ah * h * h * (v - 0.5 * h * a).squaredNorm()) / (bh * bh),
               1e-15);
-}
-
-// How a bond at rest gets its stretch: its atoms are moved between two steps, or the method starts from
-// there.
-enum class Stretched { kBetweenSteps, kFromTheStart };
-
-// The smallest stretch from which a bond at rest does not come back, (βh)² = bh2; to 6 %. sign −1:
-// compressed.
-double bearable_stretch(double ah, double bh2, const char* damping, Stretched how = Stretched::kBetweenSteps,
-                        double sign = 1) {
-  const double h = 0.01;
-  const auto comes_back = [&](double stretch) {
-    auto [sys, s] = tests::rotor(0);
-    Baumgarte method(sys,
-                     {.gains = "numbers",
-                      .damping = damping,
-                      .alpha_per_ps = ah / h,
-                      .beta_per_ps = std::sqrt(bh2) / h,
-                      .tolerance = 1e-14},
-                     h);
-    NoForce forces;
-    initialize({sys, forces, method}, h, s);
-    s.x(0, 1) += sign * stretch;
-    if (how == Stretched::kFromTheStart) {
-      forces.evaluate(sys, s);
-      EXPECT_TRUE(method.add_forces(sys, Push::at_start(h), s).converged());
-    }
-    for (int n = 0; n < 3000; ++n)
-      if (!step({sys, forces, method}, h, s).converged() || !(std::abs(s.x(0, 1) - s.x(0, 0) - 1) < 0.5))
-        return false;
-    return true;
-  };
-  double stretch = 5e-4;
-  while (stretch < 0.5 && comes_back(stretch)) stretch *= 1.06;
-  return stretch;
-}
-
-// A third of a turn a step, (βh)² = 3: ¼h⁴|a|² is quadratic in σ and turns twice as far, which is the same
-// the other way round. Its amplitude, ΔA = −αh A − i (9/4)/(2 sin 120°) Ā²/d², grows from 0.93 αh on where
-// atoms are moved between two steps, from twice that where the method starts from the stretch, in another
-// phase; elsewhere little damping is enough.
-TEST(Propagator, AThirdOfATurnResonates) {
-  for (const double ah : {0.01, 0.02, 0.05}) {
-    EXPECT_NEAR(bearable_stretch(ah, 3, "centred") / ah, 0.93, 0.07) << ah;
-    EXPECT_GT(bearable_stretch(ah, 3, "centred", Stretched::kFromTheStart), 1.6 * ah) << ah;
-    EXPECT_GT(bearable_stretch(ah, 2, "centred"), 0.2) << ah;
-    EXPECT_GT(bearable_stretch(ah, 2.5, "centred"), 0.15) << ah;
-  }
-}
-
-// The discrete law has no drive, and bears it at all gains.
-TEST(Propagator, AThirdOfATurnLeavesTheDiscreteLawAlone) {
-  for (const double ah : {0.01, 0.05}) EXPECT_GT(bearable_stretch(ah, 3, "discrete"), 0.12) << ah;
 }
 
 }  // namespace

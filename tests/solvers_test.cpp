@@ -22,7 +22,6 @@ namespace {
 using tests::NoForce;
 using tests::Start;
 using tests::tight;
-using tests::Verdict;
 using tests::verify;
 
 // With the exact matrix an iteration squares what is left; with that of the old bonds it gains a factor.
@@ -236,14 +235,6 @@ TEST(ShakeAndRattle, GiveTheSamePositions) {
   const auto rattle = verify(start.system, forces, tight<Rattle::Options>(), 0.01, 50, start.state);
   EXPECT_LT((shake.end.x - rattle.end.x).cwiseAbs().maxCoeff(), 1e-11);
   EXPECT_GT((shake.end.v - rattle.end.v).cwiseAbs().maxCoeff(), 1e-6);
-}
-
-TEST(Rattle, VelocitiesLieAlongTheTangent) {
-  NoForce forces;
-  const Start start = tests::waters(2, 8, 300);
-  const auto end = verify(start.system, forces, tight<Rattle::Options>(), 0.001, 20, start.state).end;
-  for (const auto& [i, j, d] : start.system.bonds)
-    EXPECT_NEAR((end.x.col(j) - end.x.col(i)).dot(end.v.col(j) - end.v.col(i)) * 0.001 / (d * d), 0, 1e-13);
 }
 
 TEST(Rattle, WarmStartSavesSweeps) {
