@@ -11,6 +11,7 @@
 #include "md/observables.hpp"
 #include "md/units.hpp"
 #include "named_scene.hpp"
+#include "scene_energy.hpp"
 #include "systems/scene/start_file.hpp"
 #include "temporary_folder.hpp"
 
@@ -140,9 +141,7 @@ TEST(Melt, FillsABoxWithoutOverlap) {
     EXPECT_NEAR(scene.system.atoms() / scene.start.box.volume(), 0.85, 1e-12);
     EXPECT_GT(least_distance(scene, 1), 0.9699);
     EXPECT_LT(bond_errors(scene.system, scene.start.x).max, 1e-12);
-    State s = scene.start;
-    ForceField forces(scene.system, scene.start.box, scene.terms);
-    EXPECT_LT(forces.evaluate_energy(scene.system, s) / scene.system.atoms(), 0.5);  // in kT
+    EXPECT_LT(energy_of(scene) / scene.system.atoms(), 0.5);  // in kT
   }
 }
 
@@ -192,22 +191,6 @@ TEST(Decane, TorsionIsTraPPEs) {
   }
 }
 
-// TraPPE's CH3 and CH2.
-TEST(Decane, EndsAndMiddlesHaveTheirNumbers) {
-  const Scene scene = scene_of("decane");
-  const Nonbonded& lj = *scene.terms.nonbonded;
-  for (int a = 0; a < 40; ++a) {
-    const bool end = a % 10 == 0 || a % 10 == 9;
-    EXPECT_EQ(scene.system.mass[a], end ? 15.035 : 14.027);
-    EXPECT_EQ(lj.sigma[a], end ? 0.375 : 0.395);
-    EXPECT_EQ(lj.epsilon[a], (end ? 98 : 46) * kBoltzmann);
-  }
-  EXPECT_EQ(lj.exceptions.size(), 128u * (9 + 8 + 7));
-  ASSERT_EQ(scene.terms.angles.size(), 128u * 8);
-  EXPECT_EQ(scene.terms.angles[0].stiffness, 62500 * kBoltzmann);
-  EXPECT_EQ(scene.terms.angles[0].angle, 114 * std::numbers::pi / 180);
-}
-
 // Numbers of OpenMM's tip3p.xml, and of Berendsen et al. 1987.
 TEST(Water, ModelsHaveTheirNumbers) {
   const Scene tip3p = scene_of("water"), spce = scene_of("spce");
@@ -225,12 +208,6 @@ TEST(Water, ModelsHaveTheirNumbers) {
   EXPECT_EQ(spce.terms.nonbonded->charge[0], -0.8476);
 }
 
-double potential(const Scene& scene) {
-  State s = scene.start;
-  ForceField forces(scene.system, scene.start.box, scene.terms);
-  return forces.evaluate_energy(scene.system, s);
-}
-
 // The cutoff is less than half the small box: eight boxes side by side have eight times its energy.
 TEST(Water, IsTiledFromAnEquilibratedStart) {
   const std::string pairs_alone =
@@ -238,8 +215,8 @@ TEST(Water, IsTiledFromAnEquilibratedStart) {
   const Scene one = scene_of("water", {pairs_alone});
   const Scene eight = scene_of("water", {pairs_alone, "build.molecules=1728"});
   EXPECT_NEAR(eight.start.box.edge.x(), 2 * one.start.box.edge.x(), 1e-12);
-  EXPECT_NEAR(potential(eight) / potential(one), 8, 1e-9);
-  EXPECT_NEAR(potential(one) / 216, -40, 1.5);  // of liquid TIP3P, not of a lattice
+  EXPECT_NEAR(energy_of(eight) / energy_of(one), 8, 1e-9);
+  EXPECT_NEAR(energy_of(one) / 216, -40, 1.5);  // of liquid TIP3P, not of a lattice
   EXPECT_TRUE(eight.notes.empty());
 }
 
@@ -252,8 +229,8 @@ TEST(Water, OfAnyOtherNumberIsCutFromAnEquilibratedStart) {
     EXPECT_FALSE(scene.positions_drawn);
     EXPECT_NEAR(scene.start.box.volume() / molecules, std::pow(1.872, 3) / 216, 1e-12);
     EXPECT_LT(bond_errors(scene.system, scene.start.x).max, 1e-12);
-    EXPECT_NEAR(potential(scene) / molecules,
-                potential(scene_of("water", {"forcefield.cutoff_nm=0.8"})) / 216, 0.2);
+    EXPECT_NEAR(energy_of(scene) / molecules,
+                energy_of(scene_of("water", {"forcefield.cutoff_nm=0.8"})) / 216, 0.2);
     EXPECT_GT(least_distance(scene, 2), 0.13);  // of a hydrogen bond
     double o_o = 1e9;
     for (int a = 0; a < 3 * molecules; a += 3)
@@ -281,7 +258,7 @@ TEST(Water, FillsBoxesOfOtherShapes) {
         least = std::min(least, box.nearest_image(scene.start.x.col(b) - scene.start.x.col(a)).norm());
     EXPECT_GT(least, 0.235);
     EXPECT_TRUE(scene.notes.empty());
-    EXPECT_NEAR(potential(scene) / 500, -40, 1.5);
+    EXPECT_NEAR(energy_of(scene) / 500, -40, 1.5);
   }
   EXPECT_THROW(scene_of("water_cluster", {"build.box=octahedron"}), InputError);
 }
@@ -293,12 +270,9 @@ TEST(Water, GoesOnInABoxOfAnotherShape) {
   const Scene one = scene_of("water", {"build.molecules=500", shape});
   write_start(folder.path() / "a.start.toml", one.start);
   const std::string start = "build.start=" + (folder.path() / "a.start.toml").string();
-  const auto energy = [](const Scene& scene) {
-    State s = scene.start;
-    Terms terms = scene.terms;
-    terms.nonbonded->dispersion_correction = false;
-    ForceField forces(scene.system, s.box, terms);
-    return forces.evaluate_energy(scene.system, s);
+  const auto energy = [](Scene scene) {
+    scene.terms.nonbonded->dispersion_correction = false;
+    return energy_of(scene);
   };
   const Scene again = scene_of("water", {"build.molecules=500", start});
   EXPECT_EQ(again.start.box, one.start.box);

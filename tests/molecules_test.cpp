@@ -4,25 +4,15 @@
 
 #include <numbers>
 
-#include "forcefield/force_field.hpp"
 #include "md/observables.hpp"
 #include "md/units.hpp"
 #include "polymer_scene.hpp"
-#include "systems/openmm/export.hpp"
-#include "systems/openmm/import.hpp"
+#include "scene_energy.hpp"
 
 namespace taut::molecules_tests {
 namespace {
 
 using testing::HasSubstr;
-
-double energy(const Scene& scene, const Vectors& x) {
-  State s = scene.start;
-  s.x = x;
-  s.f = Vectors::Zero(3, x.cols());
-  ForceField forces(scene.system, s.box, scene.terms);
-  return forces.evaluate_energy(scene.system, s);
-}
 
 TEST(Molecules, AreGrownAtTheirLengthsAndAnglesWithoutOverlap) {
   const Scene scene = read(kPolymers);
@@ -154,7 +144,7 @@ count = 2
   EXPECT_LT(bond_errors(ring.system, ring.start.x).max, 1e-9);
   Scene bends = ring;
   bends.terms.nonbonded.reset();
-  EXPECT_LT(energy(bends, ring.start.x), 1e-9);
+  EXPECT_LT(energy_of(bends), 1e-9);
 }
 
 TEST(Molecules, PairsNearAlongTheChainAreExcludedOrScaled) {
@@ -267,10 +257,7 @@ coulomb = "pme"
   EXPECT_THAT(read(ions, {"place.1.count=3"}).notes, testing::Not(charged));
   EXPECT_THAT(read(ions, {"forcefield.coulomb=cutoff"}).notes, testing::Not(charged));
 
-  const Scene scene = read(ions);  // and of OpenMM
-  const TemporaryFolder folder;
-  Scene back = import_openmm(folder.write("a.system.xml", openmm_system_xml(openmm_input(scene))),
-                             folder.write("a.state.xml", openmm_state_xml(openmm_input(scene))));
+  Scene back = through_openmm(read(ions));  // and of OpenMM
   apply_overrides(back, {"run.seed=1", "run.temperature_k=300"});
   EXPECT_THAT(back.notes, charged);
 }

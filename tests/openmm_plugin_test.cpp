@@ -58,10 +58,6 @@ bool has(const std::string& platform) {
   return false;
 }
 
-std::string refusal(const std::string& attributes, const std::string& options = "") {
-  return taut::error_message<std::exception>([&] { delete make_integrator(attributes, options); });
-}
-
 // A droplet of TIP3P: waters on a cubic grid.
 struct Droplet {
   OpenMM::System system;
@@ -148,70 +144,6 @@ INSTANTIATE_TEST_SUITE_P(All, OpenMMPlugin,
                                          Case{"Reference", "baumgarte", 1e-4},
                                          Case{"Reference", "newton", 1e-9}, Case{"CPU", "feedforward", 1e-7}),
                          [](const auto& one) { return one.param.platform + "_" + one.param.method; });
-
-TEST(OpenMMPluginStates, GoOnFromACheckpointToTheLastBit) {
-  load_plugin();
-  const std::string langevin = "stepSize=\"0.001\" temperature=\"300\" friction=\"5\" randomSeed=\"3\"";
-  Trajectory run(make_integrator(langevin)), again(make_integrator(langevin));
-  std::stringstream kept;
-  run.integrator->step(15);
-  run.context->createCheckpoint(kept);
-  run.integrator->step(15);
-  again.context->loadCheckpoint(kept);
-  again.integrator->step(15);
-  const std::vector<Vec3> x = run.x(), there = again.x();
-  for (std::size_t i = 0; i < x.size(); ++i)
-    for (int d = 0; d < 3; ++d) ASSERT_EQ(x[i][d], there[i][d]) << "atom " << i;
-}
-
-TEST(OpenMMPluginStates, ForgetWhatWasKnownWherePositionsChange) {
-  load_plugin();
-  Trajectory run(make_integrator("stepSize=\"0.001\""));
-  run.integrator->step(5);
-  std::vector<Vec3> x = run.x();
-  for (int i = 0; i < static_cast<int>(x.size()); ++i) x[i] += Vec3(i % 3 ? 1 : 1.001, 0, 0);
-  run.context->setPositions(x);
-  run.integrator->step(1);
-  EXPECT_NEAR(run.x()[0][0], x[0][0], 0.01);
-  EXPECT_LT(run.droplet.bond_error(run.x()), 1e-7);
-}
-
-TEST(OpenMMPluginXml, IsTheSameAfterARoundTrip) {
-  load_plugin();
-  const std::unique_ptr<OpenMM::Integrator> made(make_integrator(
-      "stepSize=\"0.002\" method=\"newton\" temperature=\"300\" friction=\"1\"", "tolerance=\"1e-8\""));
-  std::stringstream once, twice;
-  OpenMM::XmlSerializer::serialize(made.get(), "Integrator", once);
-  const std::unique_ptr<OpenMM::Integrator> read(
-      OpenMM::XmlSerializer::deserialize<OpenMM::Integrator>(once));
-  OpenMM::XmlSerializer::serialize(read.get(), "Integrator", twice);
-  EXPECT_EQ(once.str(), twice.str());
-  EXPECT_EQ(read->getConstraintTolerance(), 1e-8);
-}
-
-TEST(OpenMMPluginConstraints, AreProjectedForTautAloneAndLeftToOpenMMElse) {
-  load_plugin();
-  Trajectory ours(make_integrator("stepSize=\"0.001\"")), theirs(new OpenMM::VerletIntegrator(0.001));
-  for (Trajectory* run : {&ours, &theirs}) {
-    std::vector<Vec3> x = run->droplet.x;
-    for (int i = 0; i < static_cast<int>(x.size()); ++i) x[i][i % 3] += 1e-3;
-    run->context->setPositions(x);
-    run->context->applyConstraints(1e-3);
-  }
-  EXPECT_LT(ours.droplet.bond_error(ours.x()), 1e-12);
-  EXPECT_GT(theirs.droplet.bond_error(theirs.x()), 1e-12);
-  EXPECT_LT(theirs.droplet.bond_error(theirs.x()), 1e-3);
-}
-
-TEST(OpenMMPluginRefusals, SayWhatIsWrongWhenTheIntegratorIsMade) {
-  load_plugin();
-  EXPECT_NE(refusal("stepSize=\"0.001\" method=\"newtn\"").find("did you mean \"newton\""),
-            std::string::npos);
-  EXPECT_NE(refusal("stepSize=\"0.001\"", "tolerence=\"1\"").find("did you mean \"tolerance\""),
-            std::string::npos);
-  EXPECT_NE(refusal("stepSize=\"0.001\" temperature=\"300\"").find("without friction"), std::string::npos);
-  EXPECT_NE(refusal("stepSize=\"0\"").find("expected more than 0"), std::string::npos);
-}
 
 // Two waters, an O-H beside another, a free atom, and a site: what a device holds, and how.
 taut::HeldBonds two_waters_and_others() {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <functional>
 
 #include "openmm_texts.hpp"
 
@@ -11,9 +10,7 @@ namespace taut::openmm_refusals_tests {
 namespace {
 
 using ::testing::AllOf;
-using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using ::testing::Not;
 
 // What ctest calls a case: its complaint, of characters that ctest takes.
 void print_words(const char* complaint, std::ostream* out) {
@@ -48,12 +45,7 @@ INSTANTIATE_TEST_SUITE_P(
         Change{"bend*(theta-rest)^2", "bend*(theta-rest)^4",
                "force 12: CustomAngleForce: has the energy bend*"},
         // alike where one looks, and something else beyond
-        Change{"stiff*(r-d)^2", "stiff*max(0,r-d)^2", "UreyBradley\": has the energy stiff*max"},
-        Change{"stiff*(r-d)^2", "stiff*min(0,r-d)^2", "UreyBradley\": has the energy stiff*min"},
-        Change{"stiff*(r-d)^2", "stiff*(r-d)^2*step(0.5-r)", "UreyBradley\": has the energy stiff*"},
-        Change{"stiff*(r-d)^2", "4*stiff*((d/r)^12-(d/r)^6)*step(d-r)", "has the energy 4*stiff*"},
         Change{"stiff*(r-d)^2", "stiff/r^12-1.001*d/r^6", "has the energy stiff/r^12"},
-        Change{"stiff*(r-d)^2", "max(stiff/r^12-d/r^6,0)", "has the energy max"},
         Change{"4*epsilon*((sigma/r)^12-(sigma/r)^6)+epsilon",
                "(4*epsilon*((sigma/r)^12-(sigma/r)^6)+epsilon)*step(sigma-r)",
                "force 8: CustomNonbondedForce: has the energy"},
@@ -77,15 +69,10 @@ INSTANTIATE_TEST_SUITE_P(
         Change{"includeDirectSpace=\"1\"", "includeDirectSpace=\"0\"", "leaves its direct space out"},
         Change{"useSwitchingFunction=\"0\"", "useSwitchingFunction=\"1\"",
                "force 8: CustomNonbondedForce: has useSwitchingFunction"},
-        Change{"useLongRangeCorrection=\"0\"", "useLongRangeCorrection=\"1\"", "has useLongRangeCorrection"},
         Change{"<ParticleOffsets/>",
                "<ParticleOffsets><Offset eps=\"0\" parameter=\"s\" particle=\"0\" q=\"1\" "
                "sig=\"0\"/></ParticleOffsets>",
                "(ParticleOffsets): taut has fixed parameters"},
-        Change{"<ExceptionOffsets/>",
-               "<ExceptionOffsets><Offset eps=\"0\" parameter=\"s\" exception=\"0\" q=\"1\" "
-               "sig=\"0\"/></ExceptionOffsets>",
-               "(ExceptionOffsets): taut has fixed parameters"},
         Change{"<GlobalParameters/>",
                "<GlobalParameters><Parameter default=\"1\" name=\"s\"/></GlobalParameters>",
                "(GlobalParameters): taut has fixed parameters"},
@@ -96,23 +83,13 @@ INSTANTIATE_TEST_SUITE_P(
                "has ComputedValues"},
         Change{"<Functions/>", "<Functions><Function name=\"f\"/></Functions>", "Function lacks type"},
         Change{"<Functions/>",
-               "<Functions><Function max=\"2\" min=\"0\" name=\"f\" type=\"Continuous2DFunction\" "
-               "version=\"1\"/></Functions>",
-               "has the function f of a kind (Continuous2DFunction) taut does not know"},
-        Change{"<Functions/>",
                "<Functions><Function max=\"2\" min=\"0\" name=\"f\" periodic=\"1\" "
                "type=\"Continuous1DFunction\" version=\"2\"/></Functions>",
                "has the periodic function f: taut's tables are not"},
-        Change{"<Functions/>",
-               "<Functions><Function max=\"2\" min=\"0\" name=\"f\" type=\"Continuous1DFunction\" "
-               "version=\"1\"><Values><Value v=\"1\"/><Value v=\"1\"/></Values></Function></Functions>",
-               "the table f has 2 values, expected 3 or more"},
         Change{"<InteractionGroups/>",
                "<InteractionGroups><InteractionGroup><Set1><Particle index=\"0\"/></Set1><Set2><Particle "
                "index=\"1\"/></Set2></InteractionGroup></InteractionGroups>",
                "has pairs of some groups alone; taut takes one group, of atoms with themselves"},
-        Change{"<InteractionGroups/>", "<InteractionGroups><InteractionGroup/></InteractionGroups>",
-               "InteractionGroup lacks Set1"},
         Change{"type=\"RBTorsionForce\"", "type=\"AmoebaTorsionForce\"",
                "force 3: AmoebaTorsionForce \"RBTorsionForce\": is not one taut knows"},
         Change{"type=\"RBTorsionForce\"", "type=\"MonteCarloMembraneBarostat\"",
@@ -162,8 +139,6 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Change{"<Parameter default=\"4000\" name=\"k\"/>", "<Parameter default=\"4000\" name=\"K\"/>",
                "does not declare k, which its energy names"},
-        Change{"<Parameter default=\"4000\" name=\"k\"/>", "<Parameter default=\"4000\" name=\"r0\"/>",
-               "declares r0 a second time"},
         Change{"<Parameter default=\"4000\" name=\"k\"/>", "<Parameter default=\"4000\" name=\"r\"/>",
                "declares r, which is a coordinate"},
         Change{"<Parameter default=\"3\" name=\"fy\"/>",
@@ -177,26 +152,17 @@ INSTANTIATE_TEST_SUITE_P(
         Change{"map=\"1\"", "map=\"2\"", "force 10: CMAPTorsionForce: cmap 1: map 2, there are 2"},
         Change{"<Map size=\"2\">", "<Map size=\"3\">", "has 4 energies, expected 3 x 3"},
         Change{"a2=\"1\"", "a2=\"12\"", "force 10: CMAPTorsionForce: Torsion has a2=\"12\""},
-        Change{"a2=\"1\"", "a2=\"-1\"", "a2=\"-1\", expected an integer from 0 to 11"},
         Change{"<Energy e=\"-4.7166\"/>", "<Energy/>", "Energy lacks e"},
-        Change{"periodicity=\"2\"", "periodicity=\"2000000000\"", "expected an integer from 1 to 64"},
         Change{"periodicity=\"2\"", "periodicity=\"0\"", "expected an integer from 1 to 64"},
-        Change{"periodicity=\"2\"", "periodicity=\"2.5\"", "expected an integer from 1 to 64"},
-        Change{"usesPeriodic=\"1\"", "usesPeriodic=\"yes\"", "expected 0 or 1"},
         Change{"usesPeriodic=\"1\"", "usesPeriodic=\"2\"", "expected 0 or 1"},
-        Change{" frequency=\"25\"", " frequency=\"0\"", "expected an integer from 1"},
         Change{" frequency=\"25\"", "", "Force lacks frequency"},
         Change{" forceGroup=\"0\"", " forceGroup=\"0\" strength=\"2\"",
                "has strength=\"2\", which taut does not know"},
         Change{"<Angles>", "<Rings/><Angles>", "has an element Rings, which taut does not know"},
         Change{"<Angles>", "<Angles/><Angles>", "has a second Angles"},
-        Change{"<Angles>", "<Angles order=\"1\">", "Angles has order=\"1\""},
-        Change{"<Angle a=", "<Bond a=", "Angles has an element Bond"},
         Change{"<Bond d=", "<Bond p1=\"0\" d=", "Bond has p1 twice"},
         Change{"<Position x=\".2421\"", "<Position x=\"nan\"",
                "a.state.xml:11: Position has x=\"nan\", expected a number"},
-        Change{"<Position x=\".2421\"", "<Position x=\"1e999\"", "expected a number"},
-        Change{"<Position x=\".2421\"", "<Position x=\"\"", "expected a number"},
         Change{"<Position x=\".2421\"", "<Position x=\"&amp;\"", "Position has x=\"&\""},
         Change{"<Positions>", "<Positions><Position x=\"0\" y=\"0\" z=\"0\"/>",
                "has 13 positions, but the system has 12 atoms"},
@@ -209,7 +175,6 @@ INSTANTIATE_TEST_SUITE_P(
         Change{"cutoff=\"1.2\"", "cutoff=\"1.6\"", "cutoff 1.6 nm is over half the box"},
         Change{"switchingDistance=\".9\"", "switchingDistance=\"1.2\"", "switch at 1.2 nm"},
         Change{"<Constraints>", "text<Constraints>", "a.system.xml:22: not whole XML: the text \"text"},
-        Change{"</System>", "</System><System/>", "not whole XML: <System> after the end"},
         Change{"</System>", "</System>more", "not whole XML: the text \"more"}));
 
 // Forces of the State's own and of the wrong kind of pair.
@@ -370,16 +335,12 @@ TEST(OpenMMReader, RefusesWhatIsNoText) {
   texts.system[500] = '\0';
   EXPECT_THAT(refusal(texts), one_line_with("not whole XML: a character 0"));
   texts = every_force();
-  EXPECT_THAT(refusal({texts.system.substr(0, texts.system.size() / 2), texts.state}),
-              one_line_with("a.system.xml:", "not whole XML"));
-  EXPECT_THAT(refusal({"", texts.state}),
-              one_line_with("a.system.xml:1: not whole XML: there is no element"));
-  EXPECT_THAT(refusal({"<html/>", texts.state}), one_line_with("expected an OpenMM System, found <html>"));
-  EXPECT_THAT(refusal({"mass = 1\n", texts.state}), one_line_with("a.system.xml:1: not whole XML"));
-  EXPECT_THAT(refusal({texts.state, texts.state}),
-              one_line_with("expected an OpenMM System, found a \"State\""));
-  EXPECT_THAT(refusal({texts.system, texts.system}),
-              one_line_with("expected an OpenMM State, found a \"System\""));
+  const std::string half = texts.system.substr(0, texts.system.size() / 2);
+  for (const auto& [system, words] : {std::pair(half, "not whole XML"),
+                                      {"", "a.system.xml:1: not whole XML: there is no element"},
+                                      {"<html/>", "expected an OpenMM System, found <html>"},
+                                      {texts.state, "expected an OpenMM System, found a \"State\""}})
+    EXPECT_THAT(refusal({system, texts.state}), one_line_with(words));
   for (const char* end : {"</Forces>", "</State>"}) {  // OpenMM's own reader takes these for whole
     const std::string cut = texts.state.substr(0, texts.state.find(end));
     EXPECT_THAT(refusal({texts.system, cut}), one_line_with("a.state.xml:", "not whole XML")) << end;

@@ -72,4 +72,24 @@ inline Scene read(const std::string& text, const std::vector<std::string>& overr
   return read_scene(folder.write("scene.toml", text), overrides);
 }
 
+// Changes of a scene's text, or settings laid over it, each with words of what reading then says.
+struct Change {
+  std::string old, changed, words;
+};
+
+inline void expect_said(const SceneText& scene, const std::vector<Change>& changes) {
+  for (const auto& [old, changed, words] : changes)
+    EXPECT_THAT(complaint(scene.with(old, changed).text), testing::HasSubstr(words)) << changed;
+}
+
+struct Overriding {
+  std::vector<std::string> overrides;
+  std::string words;
+};
+
+inline void expect_said_of(const std::string& text, const std::vector<Overriding>& all) {
+  for (const auto& [overrides, words] : all)
+    EXPECT_THAT(complaint(text, overrides), testing::HasSubstr(words)) << testing::PrintToString(overrides);
+}
+
 }  // namespace taut

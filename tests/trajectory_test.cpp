@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
-#include <sstream>
 
 #include "base/errors.hpp"
 #include "base/random.hpp"
@@ -26,21 +25,6 @@ std::string read_all(const JournaledFile& file) {
   std::string text(file.size(), '?');
   file.read(0, text.data(), text.size());
   return text;
-}
-
-TEST(JournaledFile, ShowsOthersTheLastCommitAlone) {
-  const TemporaryFolder folder;
-  const fs::path path = folder.path() / "file";
-  JournaledFile file(path, DiskFile::kNew);
-  file.write(0, "hello world");
-  file.commit(11);
-  file.write(0, "J");
-  file.write(9, "LD, AGAIN");  // across the end of the commit
-  EXPECT_EQ(read_all(file), "Jello worLD, AGAIN");
-  EXPECT_EQ(contents(path).substr(0, 11), "hello world");
-  file.commit(13);
-  EXPECT_EQ(contents(path), "Jello worLD, ");
-  EXPECT_EQ(read_all(file), "Jello worLD, ");
 }
 
 // Random writes, cuts and stops, beside a string that does the same.
@@ -311,23 +295,6 @@ TEST(DcdFile, HasTheCellAndEachAxisInTurn) {
     std::memcpy(row, bytes.data() + 196 + 56 + axis * (8 + 28) + 4, sizeof row);
     for (int a = 0; a < 7; ++a) EXPECT_FLOAT_EQ(row[a], static_cast<float>(10 * x(axis, a)));
   }
-}
-
-TEST(DcdFile, HasASkewedCellsAngles) {
-  const TemporaryFolder folder;
-  Sample sample;
-  sample.state.box = {Vec3(4, 2, 4), Vec3(1.5, 0, 0)};  // b = (1.5, 2, 0): 2.5 long
-  DcdFile file(folder.path() / "t.dcd", sample.setup, 0);
-  file.add({0, sample.state, sample.tension});
-  double cell[6];
-  std::memcpy(cell, contents(folder.path() / "t.dcd").data() + 196 + 4, sizeof cell);
-  const double gamma = std::acos(0.6) * 180 / M_PI;
-  EXPECT_THAT(cell, testing::ElementsAre(40, testing::DoubleNear(gamma, 1e-9), testing::DoubleNear(25, 1e-12),
-                                         90, 90, 40));
-  sample.state.box = {Vec3(4, 2.5, 2), Vec3(0, 1.5, 0)};  // c = (1.5, 0, 2)
-  write_pdb(folder.path() / "s.pdb", sample.setup, sample.state);
-  EXPECT_THAT(contents(folder.path() / "s.pdb"),
-              HasSubstr("CRYST1   40.000   25.000   25.000  90.00  53.13  90.00 P 1           1\n"));
 }
 
 TEST(PdbFile, HasEveryThingInItsColumns) {
