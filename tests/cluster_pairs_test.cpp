@@ -120,21 +120,6 @@ TEST_P(ClusterPairsIn, AgreesInMixedPrecisionToItsDigits) {
   });
 }
 
-TEST_P(ClusterPairsIn, HasTheVirialOfItsPairs) {
-  const Eigen::Matrix3d expected = plain_pairs(nb, box, x).virial;
-  on_every_machine([&] {
-    on_one_to_three_threads([&] {
-      for (const auto& [precision, digits] :
-           {std::pair{Precision::kDouble, 1e-11}, std::pair{Precision::kMixed, 1e-5}}) {
-        ClusterPairs clusters(nb, box.periodic(), precision);
-        Vectors f = Vectors::Zero(3, x.cols());
-        clusters.add_forces(x, box, f);
-        EXPECT_LT((clusters.virial() - expected).norm(), digits * expected.norm());
-      }
-    });
-  });
-}
-
 TEST_P(ClusterPairsIn, GivesTheSameBitsTwiceOnAnyNumberOfThreads) {
   const PairSums plain = plain_pairs(nb, box, x);
   on_every_machine([&] {
@@ -149,38 +134,13 @@ TEST_P(ClusterPairsIn, GivesTheSameBitsTwiceOnAnyNumberOfThreads) {
         const double digits = precision == Precision::kDouble ? 2e-14 : 1e-5;
         EXPECT_LT(rms((f - plain.f) * plain.clear.asDiagonal()), digits * rms(plain.f));
         EXPECT_NEAR(one.energy(), plain.energy, 10 * digits * std::abs(plain.energy));
+        EXPECT_LT((one.virial() - plain.virial).norm(), std::max(1e-11, digits) * plain.virial.norm());
         const Vectors moved = x + step();
         one.add_forces(moved, box, f);
         other.add_forces(moved, box, g);
         EXPECT_EQ(f, g);
       }
     });
-  });
-}
-
-// Whichever thread has it, and where nothing else moves.
-TEST_P(ClusterPairsIn, MissesNoPairOfOneAtomThatGoesFar) {
-  struct Moved {
-    int atom;
-    Vectors x, witness;
-  };
-  std::vector<Moved> frames;
-  Vectors moved = x;
-  for (int a = 1; a < x.cols(); a += static_cast<int>(x.cols()) / 6)
-    for (const double step : {0.02, 0.05, 0.4}) {
-      moved.col(a) += step * Vec3(2, -1, 2) / 3;
-      frames.push_back({a, moved, plain_pairs(nb, box, moved).f});
-    }
-  on_one_to_three_threads([&] {
-    ClusterPairs clusters(nb, box.periodic(), Precision::kDouble);
-    Vectors f = Vectors::Zero(3, x.cols());
-    clusters.add_forces(x, box, f);
-    for (const auto& [a, at, witness] : frames) {
-      f.setZero();
-      clusters.add_forces(at, box, f);
-      EXPECT_LT((f.col(a) - witness.col(a)).norm(), 1e-11 * witness.norm()) << a;
-      EXPECT_LT((f - witness).norm(), 1e-11 * witness.norm()) << a;
-    }
   });
 }
 

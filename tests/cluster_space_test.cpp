@@ -81,25 +81,6 @@ INSTANTIATE_TEST_SUITE_P(Spaces, ClusterPairsInSpace,
                                            Space{"pair", 2, {0.3, 0.3, 0.3}, false}),
                          [](const auto& test) { return std::string(test.param.name); });
 
-// A box that changes under the atoms: they stay where they are, their images do not.
-TEST(ClusterPairs, FollowABoxThatChanges) {
-  const Liquid liquid{"", 6, 0.33, true, 0.8, 0, 1, true};
-  std::mt19937_64 rng(3);
-  const Nonbonded nb = forces_of(liquid);
-  const Vectors x = place(liquid, rng);
-  const Box box = box_of(liquid);
-  for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
-    ClusterPairs clusters(nb, true, precision);
-    for (const Box& now :
-         {box, box.scaled({1.001, 1, 1}), box, Box{box.edge, {0.01, 0, 0}}, box.scaled({1, 1, 1.2})}) {
-      const Vectors witness = plain_pairs(nb, now, x).f;
-      Vectors f = Vectors::Zero(3, x.cols());
-      clusters.add_forces(x, now, f);
-      EXPECT_LE((f - witness).norm(), (precision == Precision::kDouble ? 1e-12 : 1e-5) * witness.norm());
-    }
-  }
-}
-
 // Two atoms, or two drops, come from beyond all lists' reach with any speed, each its half of the way, so
 // that lists are used as long as they may be: the first force must not be late.
 TEST(ClusterPairs, MissNoPairOfThoseThatMeet) {
@@ -135,46 +116,6 @@ TEST(ClusterPairs, MissNoPairOfThoseThatMeet) {
         });
       }
     }
-}
-
-TEST(ClusterPairs, AtomsFarApartAndUnevenlySpread) {
-  std::mt19937_64 rng(5);
-  std::uniform_real_distribution<double> uniform(0, 1);
-  const int n = 300;
-  Vectors x(3, n);
-  for (int a = 0; a < n; ++a) {
-    const double scale = a < 150 ? 1.5 : a < 250 ? 6 : 300;
-    x.col(a) = scale * Vec3(uniform(rng), uniform(rng), uniform(rng));
-  }
-  x.col(7) = Vec3(1e6, -2e6, 3e6);
-  Nonbonded nb;
-  nb.charge = Eigen::VectorXd::Constant(n, 0.1);
-  nb.sigma = Eigen::VectorXd::Constant(n, 0.1);
-  nb.epsilon = Eigen::VectorXd::Zero(n);
-  nb.cutoff = 0.7;
-  ClusterPairs clusters(nb, false, Precision::kDouble);
-  const Vectors witness = plain_pairs(nb, {}, x).f;
-  Vectors f = Vectors::Zero(3, n);
-  clusters.add_forces(x, {}, f);
-  EXPECT_LT((f - witness).norm(), 1e-12 * witness.norm());
-}
-
-// There a float is known to 0.06 nm: more than the inner buffer.
-TEST(ClusterPairs, MissNoPairFarFromTheOrigin) {
-  const Liquid droplet{"", 7, 0.33, false, 0.7, 0, 1, true};
-  std::mt19937_64 rng(11);
-  std::normal_distribution<double> normal(0, 0.003);
-  Vectors x = place(droplet, rng);
-  x.array() += 1e6;
-  const Nonbonded nb = forces_of(droplet);
-  ClusterPairs clusters(nb, false, Precision::kDouble);
-  for (int n = 0; n < 20; ++n) {
-    const Vectors witness = plain_pairs(nb, {}, x).f;
-    Vectors f = Vectors::Zero(3, x.cols());
-    clusters.add_forces(x, {}, f);
-    EXPECT_LT((f - witness).norm(), 1e-12 * witness.norm()) << n;
-    x += Vectors::NullaryExpr(3, x.cols(), [&] { return normal(rng); });
-  }
 }
 
 // The error of forces in mixed precision, against the plain loop in double: a share of them.
@@ -281,24 +222,6 @@ TEST(AtomClusters, AreOfAtomsNearEachOther) {
   clusters.build(x, Box{Vec3(1, 1, 2.5)});
   ASSERT_EQ(clusters.count(), 2);
   for (int slot = 0; slot < 8; ++slot) EXPECT_EQ(clusters.atom(slot) % 2, slot / 4);
-}
-
-TEST(ClusterPairs, RefusesPositionsThatAreNotFinite) {
-  for (const Liquid& liquid :
-       {Liquid{"", 5, 0.33, true, 0.8, 0, 1, true}, Liquid{"", 5, 0.33, false, 0, 0, 1, true}}) {
-    std::mt19937_64 rng(1);
-    const Box box = box_of(liquid);
-    Vectors x = place(liquid, rng), f = Vectors::Zero(3, x.cols());
-    for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
-      ClusterPairs clusters(forces_of(liquid), box.periodic(), precision);
-      clusters.add_forces(x, box, f);
-      Vectors bad = x;
-      bad(1, 12) = std::nan("");
-      EXPECT_THROW(clusters.add_forces(bad, box, f), SimulationFailure);
-      bad(1, 12) = HUGE_VAL;
-      EXPECT_THROW(clusters.add_forces(bad, box, f), SimulationFailure);
-    }
-  }
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <random>
 
 #include "base/errors.hpp"
@@ -134,83 +133,6 @@ Nonbonded mixed(int n) {  // charged, neutral, with and without Lennard-Jones
   return nb;
 }
 
-struct Setting {
-  const char* name;
-  int side;        // atoms along an edge
-  double spacing;  // [nm]
-  bool periodic;
-  double cutoff;     // [nm]; 0: none
-  double switch_at;  // [nm]; 0: none
-};
-
-void PrintTo(const Setting& s, std::ostream* out) {
-  *out << s.name;
-}
-
-class NonbondedIn : public ::testing::TestWithParam<Setting> {
- protected:
-  NonbondedIn() {
-    const auto& s = GetParam();
-    n = s.side * s.side * s.side;
-    nb = mixed(n);
-    if (s.cutoff > 0) nb.cutoff = s.cutoff;
-    if (s.switch_at > 0) nb.switch_distance = s.switch_at;
-    if (s.periodic) box.edge.setConstant(s.side * s.spacing);
-    x = crowd(s.side, s.spacing, s.periodic && s.cutoff > 0);
-  }
-
-  int n;
-  Nonbonded nb;
-  Box box;
-  Vectors x;
-};
-
-class NonbondedInABox : public NonbondedIn {};
-
-TEST_P(NonbondedIn, AgreesWithADoubleLoop) {
-  Bench bench(n, {.nonbonded = nb}, box);
-  std::mt19937_64 rng(1);
-  std::normal_distribution<double> normal;
-  for (int step = 0; step < 4; ++step) {
-    const Evaluated ours = bench.at(x);
-    const auto witness = plain_nonbonded(nb, box, x);
-    EXPECT_NEAR(ours.energy, witness.energy, 1e-10 * (1 + std::abs(witness.energy)));
-    EXPECT_LT((ours.f - witness.f).norm(), 1e-11 * witness.f.norm());
-    EXPECT_LT(ours.f.rowwise().sum().norm(), 1e-12 * ours.f.norm());
-    for (int a = 0; a < n; ++a) x.col(a) += 0.01 * Vec3(normal(rng), normal(rng), normal(rng));
-  }
-}
-
-TEST_P(NonbondedInABox, IsTheSameForAMoleculeMovedByABoxEdge) {
-  Bench bench(n, {.nonbonded = nb}, box);
-  const Evaluated before = bench.at(x);
-  Vectors moved = x;
-  for (int a : {4, 5}) moved.col(a) += Vec3(box.edge[0], -2 * box.edge[1], 0);  // a pair tied by an exception
-  const Evaluated after = bench.at(moved);
-  const double unwrapped = (x.col(4) - x.col(5)).norm() - (moved.col(4) - moved.col(5)).norm();
-  ASSERT_NEAR(unwrapped, 0, 1e-12);
-  EXPECT_NEAR(after.energy, before.energy, 1e-10 * std::abs(before.energy));
-  EXPECT_LT((after.f - before.f).norm(), 1e-10 * before.f.norm());
-}
-
-TEST_P(NonbondedIn, GivesTheSameBitsTwice) {
-  const Evaluated once = Bench(n, {.nonbonded = nb}, box).at(x),
-                  twice = Bench(n, {.nonbonded = nb}, box).at(x);
-  EXPECT_EQ(once.energy, twice.energy);
-  EXPECT_EQ(once.f, twice.f);
-}
-
-const auto kSpaces = ::testing::Values(
-    Setting{"no_cutoff", 7, 0.35, false, 0, 0}, Setting{"no_cutoff_in_a_box", 4, 0.35, true, 0, 0},
-    Setting{"drop", 5, 0.35, false, 0.8, 0}, Setting{"drop_switched", 5, 0.35, false, 0.8, 0.6});
-const auto kBoxes =
-    ::testing::Values(Setting{"smallest_box", 5, 0.35, true, 0.875, 0.7},
-                      Setting{"small_box", 6, 0.35, true, 0.8, 0}, Setting{"box", 7, 0.35, true, 0.7, 0.5});
-const auto kName = [](const auto& test) { return std::string(test.param.name); };
-INSTANTIATE_TEST_SUITE_P(Spaces, NonbondedIn, kSpaces, kName);
-INSTANTIATE_TEST_SUITE_P(Boxes, NonbondedIn, kBoxes, kName);
-INSTANTIATE_TEST_SUITE_P(Boxes, NonbondedInABox, kBoxes, kName);
-
 TEST(Nonbonded, ForcesAreMinusTheSlope) {
   const Vectors x = crowd(3, 0.35, false);
   const Box none, box{Vec3(1.05, 1.1, 1.2)};
@@ -227,21 +149,6 @@ TEST(Nonbonded, ForcesAreMinusTheSlope) {
   }
   expect_forces_are_minus_the_slope({.wca = Wca{0.35, 1.5, {{0, 1}, {4, 7}}}}, x, none);
   expect_forces_are_minus_the_slope({.wca = Wca{0.35, 1.5, {{0, 1}, {4, 7}}}}, x, box);
-}
-
-TEST(Wca, AgreesWithADoubleLoop) {
-  const Wca wca{0.35, 1.5, {{0, 1}, {10, 35}}};
-  for (int side : {3, 4, 9}) {
-    const Vectors x = crowd(side, 0.33, true);
-    const Box box{Vec3::Constant(side * 0.33)};
-    Wca given = wca;
-    if (side == 3) given.exclusions.pop_back();
-    const Evaluated ours = evaluate({.wca = given}, x, box);
-    const auto plain = plain_wca(given, box, x);
-    EXPECT_NEAR(ours.energy, plain.energy, 1e-11 * plain.energy);
-    EXPECT_LT((ours.f - plain.f).norm(), 1e-12 * plain.f.norm());
-    EXPECT_LT(ours.f.rowwise().sum().norm(), 1e-12 * ours.f.norm());
-  }
 }
 
 // Types of the last rows of the largest table find their own numbers, and one more is refused.

@@ -228,68 +228,6 @@ TEST(PmeMesh, IsTheSumOverAllWavesThatIsWrittenDown) {
     }
 }
 
-TEST(Pme, ForcesAreMinusTheSlope) {
-  const Vec3 edge(1.0, 1.1, 1.2);
-  for (const Vec3& tilt : {Vec3(0, 0, 0), Vec3(0.5, -0.3, 0.4)}) {
-    Salt salt(1, 3, {edge, tilt});
-    salt.nb.cutoff = 0.5;
-    salt.nb.epsilon.setConstant(0.1);
-    salt.nb.sigma.setConstant(0.1);
-    salt.nb.pme = PmeParameters{.alpha = 7};  // the cut at the cutoff is out of the way
-    salt.nb.pme->grid = {20, 12, 24};         // coarse along b: what is at its end counts
-    expect_forces_are_minus_the_slope({.nonbonded = salt.nb}, salt.x, salt.box);
-  }
-}
-
-TEST(Pme, VirialIsHowTheEnergyGoesWithTheEdges) {
-  Salt salt(1, 6, kSkewed);
-  salt.nb.pme = PmeParameters{.alpha = 5.5};
-  salt.nb.pme->grid = {32, 36, 40};
-  const int n = static_cast<int>(salt.x.cols());
-  Bench bench(n, {.nonbonded = salt.nb}, salt.box);
-  const double step = 1e-5;
-  const Eigen::Matrix3d virial = bench.virial_at(salt.x);
-  for (int d = 0; d < 3; ++d) {
-    const auto scaled = [&](double by) {
-      Vec3 scale = Vec3::Ones();
-      scale[d] += by;
-      return evaluate({.nonbonded = salt.nb}, scale.asDiagonal() * salt.x, salt.box.scaled(scale)).energy;
-    };
-    const double expected = -(scaled(step) - scaled(-step)) / (2 * step);
-    EXPECT_NEAR(virial(d, d), expected, 1e-6 * std::abs(expected));
-  }
-}
-
-// A crystal of two cells of a rectangular box, by skewed vectors: the forces in either are the same.
-TEST(Pme, IsTheSameCrystalByOtherVectors) {
-  const Salt salt(0);
-  const int n = static_cast<int>(salt.x.cols());
-  Nonbonded twice = salt.nb;
-  const auto doubled = [](Eigen::VectorXd& v) { v = v.replicate(2, 1).eval(); };
-  for (auto* v : {&twice.charge, &twice.sigma, &twice.epsilon}) doubled(*v);
-  for (auto e : salt.nb.exceptions) {
-    e.i += n, e.j += n;
-    twice.exceptions.push_back(e);
-  }
-  const Box cell{Vec3(3.8, 2.1, 2.3), Vec3(1.9, -1.9, 0)};
-  Vectors x(3, 2 * n);
-  x << salt.x, salt.x.colwise() + Vec3(1.9, 0, 0);
-  const auto compare = [&](double digits, auto change) {
-    Nonbonded one = salt.nb, two = twice;
-    change(one, 1);
-    change(two, 2);
-    const auto once = evaluate({.nonbonded = one}, salt.x, salt.box),
-               both = evaluate({.nonbonded = two}, x, cell);
-    EXPECT_NEAR(both.energy, 2 * once.energy, digits * std::abs(once.energy));
-    EXPECT_LT((both.f.leftCols(n) - once.f).norm(), digits * once.f.norm());
-    EXPECT_LT((both.f.rightCols(n) - once.f).norm(), digits * once.f.norm());
-  };
-  compare(1e-11, [](Nonbonded& nb, int) { nb.epsilon.setConstant(0.2); });
-  compare(3e-7, [](Nonbonded& nb, int cells) {
-    nb.pme = PmeParameters{.order = 8, .alpha = 5.5, .grid = {80 * cells, 84, 96}};
-  });
-}
-
 // But for the pairs', whose sums go by threads: here there are none.
 TEST(Pme, IsTheSameBitsOnAnyNumberOfThreads) {
   Salt salt(0, 9);
@@ -315,25 +253,6 @@ TEST(Pme, IsTheSameBitsOnAnyNumberOfThreads) {
       EXPECT_EQ(alone.energy, again.energy);
     });
   }
-}
-
-// Whichever vectors it has. But for what polynomials leave out, which in mixed precision is 1e-5 of this
-// salt's forces: there the mesh alone.
-TEST(Pme, IsTheSameSumOnEveryMachine) {
-  Salt salt(1);
-  for (const int order : {4, 5, 8})
-    for (const auto& [precision, digits] :
-         {std::pair{Precision::kDouble, 1e-12}, {Precision::kMixed, 2e-6}}) {
-      salt.nb.cutoff = precision == Precision::kDouble ? 0.94 : 0.05;
-      salt.nb.pme = PmeParameters{.order = order, .alpha = 3.5};
-      salt.nb.pme->grid = {20, 22, 27};
-      const auto once = evaluate({.nonbonded = salt.nb, .precision = precision}, salt.x, salt.box);
-      on_every_machine([&, digits = digits, precision = precision] {
-        const auto again = evaluate({.nonbonded = salt.nb, .precision = precision}, salt.x, salt.box);
-        EXPECT_LT((once.f - again.f).norm(), digits * once.f.norm());
-        EXPECT_NEAR(once.energy, again.energy, 0.1 * digits * std::abs(once.energy));
-      });
-    }
 }
 
 TEST(PmeParameters, AreThoseOfOpenMM) {
