@@ -161,29 +161,6 @@ TEST(CopiesOfAState, AreOfItsOwnTime) {
   EXPECT_EQ(moving.distance, standing.distance);
 }
 
-// A compressibility taken s times too large, and steps t that are not short for τ: the variance of the volume
-// is (1 + c)/(2 − s(1 − c)) times what it is.
-TEST(CellRescaling, WidensTheVolumesWhereItsCompressibilityIsWrong) {
-  constexpr int kMolecules = 200;
-  IdealGas gas(kMolecules, 1);
-  gas.scene.run.barostat = "c-rescale";
-  gas.scene.run.compressibility_per_bar *= 2;
-  gas.scene.run.barostat_ps = 4;  // steps
-  RunForces forces(ForceField(gas.scene.system, gas.s.box, {}));
-  const auto barostat = make_barostat(gas.scene, 5, forces);
-  RunningMean mean, square;
-  for (int step = 0; step < 40000; ++step) {
-    for (int a = 0; a < kMolecules; ++a) gas.s.v.col(a).setConstant(std::sqrt(kT / gas.scene.system.mass[a]));
-    barostat->after_step(gas.scene.system, 1, gas.s);
-    barostat->move_box(gas.scene.system, gas.s);
-    const double v = gas.s.box.volume() * 40 / kT / kMolecules;
-    mean.add(v);
-    square.add(v * v);
-  }
-  const double V = mean.estimate().value, variance = square.estimate().value - V * V, c = std::exp(-0.25);
-  EXPECT_NEAR(variance * kMolecules, (1 + c) / (2 - 2 * (1 - c)), 0.05);  // 1.14
-}
-
 // All forces end at zero: switched, and in a conductor's reaction field or under Ewald's sum.
 Scene water(std::vector<std::string> more, bool pme = false) {
   for (const char* key : {"forcefield.switch_nm=0.75", "run.dt_fs=1"}) more.push_back(key);

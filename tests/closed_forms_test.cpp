@@ -13,16 +13,12 @@
 #include "constraints/projection.hpp"
 #include "error_message.hpp"
 #include "forcefield/force_field.hpp"
+#include "named_scene.hpp"
 #include "simulation/simulation.hpp"
-#include "systems/scene/scene_file.hpp"
 #include "verifier.hpp"
 
 namespace taut::closed_forms_tests {
 namespace {
-
-Scene scene_of(const std::string& name, const std::vector<std::string>& overrides = {}) {
-  return read_scene(find_scene(name), overrides);
-}
 
 std::string method_is(std::string_view method) {
   return "method.name=" + std::string(method);
@@ -164,23 +160,6 @@ TEST_P(UnderEveryGoodMethod, DoublePendulumKeepsItsEnergy) {
   EXPECT_LT(worst, 2e-3);  // it starts at 0 and swings through 30 kJ/mol
 }
 
-// Rigid bonds bend the angle's distribution to √(1 − cos²θ/4): ⟨cos²θ⟩ = 0.32102, not ⅓. NVE keeps it.
-TEST_P(UnderEveryGoodMethod, TrimersKeepTheirMeasure) {
-  Simulation trimers(
-      scene_of("trimer", {method_is(GetParam()), "build.chains=20000", "run.steps=240", "run.log_every=60"}));
-  double sum = 0;
-  int samples = 0;
-  trimers.run([&](const Record&) {
-    const Vectors& x = trimers.state().x;
-    for (int m = 0; m + 2 < x.cols(); m += 3) {
-      const double c = (x.col(m) - x.col(m + 1)).normalized().dot((x.col(m + 2) - x.col(m + 1)).normalized());
-      sum += c * c;
-      ++samples;
-    }
-  });
-  EXPECT_NEAR(sum / samples, 0.32102, 0.005);
-}
-
 // Methane with all ten distances held: refused, or run without the bond that follows from the others, which
 // stays held, all ten sharing the load.
 TEST(Redundant, MethaneRunsOnRequest) {
@@ -242,21 +221,6 @@ TEST(Redundant, ACubeWithItsDiagonalsRunsOnRequest) {
   const Simulation contradicted(cube);
   EXPECT_THAT(contradicted.scene().notes,
               ::testing::Contains(::testing::HasSubstr("nm; the bonds it follows from make it 0.")));
-}
-
-TEST(RattleStep, IsReversible) {
-  const Scene scene = scene_of("water_cluster");
-  const System& sys = scene.system;
-  ForceField forces(sys, scene.start.box, scene.terms);
-  Newton method(sys, {.tolerance = 1e-13}, 0.001);
-  State s = scene.start;
-  initialize({sys, forces, method}, 0.001, s);
-  const Vectors start = s.x;
-  for (int n = 0; n < 50; ++n) EXPECT_TRUE(step({sys, forces, method}, 0.001, s).converged());
-  EXPECT_GT((s.x - start).cwiseAbs().maxCoeff(), 0.01);
-  s.v = -s.v;
-  for (int n = 0; n < 50; ++n) EXPECT_TRUE(step({sys, forces, method}, 0.001, s).converged());
-  EXPECT_LT((s.x - start).cwiseAbs().maxCoeff(), 1e-9);
 }
 
 }  // namespace

@@ -8,19 +8,15 @@
 #include <cmath>
 
 #include "md/units.hpp"
+#include "named_scene.hpp"
 #include "scene_text.hpp"
 #include "simulation/simulation.hpp"
-#include "systems/scene/scene_file.hpp"
 
 namespace taut::doubts_tests {
 namespace {
 
 using ::testing::AllOf, ::testing::ElementsAre, ::testing::HasSubstr, ::testing::IsEmpty, ::testing::Not;
 using Overrides = std::vector<std::string>;
-
-Scene scene_of(const std::string& name, const Overrides& overrides) {
-  return read_scene(find_scene(name), overrides);
-}
 
 // Of a run at 300 K of 1000 degrees of freedom over 10 ps.
 Summary plain_summary() {

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "forcefield/force_field.hpp"
 #include "md/units.hpp"
+#include "scene_energy.hpp"
 #include "scene_text.hpp"
 #include "simulation/simulation.hpp"
 #include "systems/scene/scene_source.hpp"
@@ -61,12 +61,7 @@ struct Folder {
 };
 
 double energy(const Scene& scene, const std::string& name) {
-  State s = scene.start;
-  s.f = Vectors::Zero(3, s.x.cols());
-  ForceField forces(scene.system, s.box, scene.terms);
-  ForceField::Evaluation besides;
-  forces.evaluate(scene.system, s, besides);
-  for (const auto& [term, value] : forces.energies(s, besides))
+  for (const auto& [term, value] : energies_of(scene))
     if (term == name) return value;
   return NAN;
 }
@@ -126,25 +121,22 @@ TEST(EnergyTable, ForcesAreHeldAgainstEnergies) {
 }
 
 TEST(EnergyTable, ThatIsNoneIsRefusedByFileAndLine) {
-  const auto said = [](const std::string& bond) { return Folder(bond).said(); };
-  EXPECT_THAT(said("0.2 1\n0.3 0\n"), HasSubstr("bond.csv:1: has 2 rows, expected 3 or more"));
-  EXPECT_THAT(said("0.2 1\n0.3 0\n0.4 x\n"), HasSubstr("bond.csv:3: expected numbers, got \"0.4 x\""));
-  EXPECT_THAT(said("0.2 1\n0.3 nan\n0.4 1\n"), HasSubstr("bond.csv:2: expected numbers"));
-  EXPECT_THAT(said("0.2 1\n0.3 0 1\n0.4 1\n"), HasSubstr("bond.csv:2: has 3 numbers, expected 2, as above"));
-  EXPECT_THAT(said("1 0.2 1 0\n2 0.3 0 1\n3 0.4 1 2\n"), HasSubstr("if it is a table of LAMMPS's"));
-  EXPECT_THAT(said("0.2 1\n0.31 0\n0.4 1\n"), HasSubstr("bond.csv:2: 0.31 nm, expected 0.3: rows at equal"));
-  EXPECT_THAT(said("0.4 1\n0.3 0\n0.2 1\n"), HasSubstr("bond.csv:3: the table does not rise"));
-  EXPECT_THAT(said("-0.1 1\n0.3 0\n0.7 1\n"), HasSubstr("bond.csv:1: a distance of -0.1 nm"));
+  for (const auto& [bond, words] : {std::pair{"0.2 1\n0.3 0\n", "bond.csv:1: has 2 rows, expected 3 or more"},
+                                    {"0.2 1\n0.3 0\n0.4 x\n", "bond.csv:3: expected numbers, got \"0.4 x\""},
+                                    {"0.2 1\n0.3 nan\n0.4 1\n", "bond.csv:2: expected numbers"},
+                                    {"0.2 1\n0.3 0 1\n0.4 1\n", "bond.csv:2: has 3 numbers, expected 2"},
+                                    {"1 0.2 1 0\n2 0.3 0 1\n3 0.4 1 2\n", "if it is a table of LAMMPS's"},
+                                    {"0.2 1\n0.31 0\n0.4 1\n", "bond.csv:2: 0.31 nm, expected 0.3"},
+                                    {"0.4 1\n0.3 0\n0.2 1\n", "bond.csv:3: the table does not rise"},
+                                    {"-0.1 1\n0.3 0\n0.7 1\n", "bond.csv:1: a distance of -0.1 nm"}})
+    EXPECT_THAT(Folder(bond).said(), HasSubstr(words));
   EXPECT_THAT(Folder(bond_table(), "0 1\n100 0\n200 1\n").said(), HasSubstr("angle.csv:3: an angle of 200"));
-  const SceneText scene{kScene};
-  EXPECT_THAT(Folder().said(scene.with("bond.csv", "bend.csv").text), HasSubstr("bend.csv: cannot be read"));
-  EXPECT_THAT(Folder().said(scene.with(", bonds = [[0, 1]]", "").text),
-              HasSubstr("tables.0.file: expected bonds = [[0, 1]] or angles"));
-  EXPECT_THAT(Folder().said(scene.with("bonds = [[0, 1]]", "bonds = [[0, 9]]").text),
-              HasSubstr("there is no atom 9"));
-  EXPECT_THAT(Folder().said(scene.with("bonds = [[0, 1]]", "bands = [[0, 1]]").text),
-              HasSubstr("unknown key \"bands\" in [molecule.cg.tables.0]; did you mean \"bonds\"?"));
-  EXPECT_THAT(Folder().said(scene.with("box_nm = 5", "box_nm = 5\ntables = 1").text), HasSubstr("tables"));
+  for (const auto& [old, changed, words] :
+       {Change{"bond.csv", "bend.csv", "bend.csv: cannot be read"},
+        {", bonds = [[0, 1]]", "", "tables.0.file: expected bonds = [[0, 1]] or angles"},
+        {"bonds = [[0, 1]]", "bonds = [[0, 9]]", "there is no atom 9"},
+        {"bonds = [[0, 1]]", "bands = [[0, 1]]", "unknown key \"bands\" in [molecule.cg.tables.0]"}})
+    EXPECT_THAT(Folder().said(SceneText{kScene}.with(old, changed).text), HasSubstr(words));
 }
 
 // What starts outside its table is refused with the place.
@@ -285,49 +277,6 @@ TEST(EnergyTable, OfPairsRefusesAStartBelowIt) {
   Scene pushed = files.read(placed + "minimise = true\nsoft_start = true\n");
   Simulation simulation(std::move(pushed));
   EXPECT_TRUE(std::isfinite(simulation.record().total()));
-}
-
-// Dimers on a spring of two lengths stretch by its table: P(r) ∝ r² exp(−E/kT), of which the longer ones have a
-// share. Within four standard errors of independent dimers and times.
-TEST(EnergyTable, BondsAreAsLongAsTheirEnergyAllows) {
-  const std::string file = (scenes_folder() / "worlds" / "coarse_grained.bond.csv").string();
-  const std::string dimers = fmt::format(R"([molecule.dimer]
-atoms = [{{name = "B", mass_u = 10}}, {{name = "B", mass_u = 10}}]
-tables = [{{file = "{}", bonds = [[0, 1]]}}]
-[[place]]
-molecule = "dimer"
-count = 500
-[run]
-dt_fs = 5
-steps = 20000
-log_every = 1000
-temperature_k = 300
-thermostat = "langevin"
-friction_per_ps = 5
-)",
-                                         file);
-  Scene scene = Folder().read(dimers);
-  const Spline& table = *scene.terms.tabulated_bonds[0].energy;
-  double all = 0, longer = 0;
-  for (double r = table.first(); r < table.last(); r += 1e-4) {
-    const double weight = r * r * std::exp(-table.at(r).value / (kBoltzmann * 300));
-    all += weight;
-    longer += r > 0.4 ? weight : 0;
-  }
-  const double share = longer / all;
-  Simulation simulation(std::move(scene));
-  long seen = 0, count = 0;
-  simulation.run([&](const Record& record) {
-    if (record.step < 10000) return;
-    for (const auto& bond : simulation.scene().terms.tabulated_bonds) {
-      const Vectors& x = simulation.state().x;
-      seen += (x.col(bond.j) - x.col(bond.i)).norm() > 0.4;
-      ++count;
-    }
-  });
-  EXPECT_GE(count, 5000);
-  EXPECT_NEAR(static_cast<double>(seen) / static_cast<double>(count), share,
-              4 * std::sqrt(share * (1 - share) / static_cast<double>(count)));
 }
 
 }  // namespace

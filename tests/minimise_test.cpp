@@ -35,16 +35,6 @@ TEST(Minimise, OverlappingWatersComeApart) {
   EXPECT_LT(bond_errors(scene.system, scene.start.x).max, 1e-12);
 }
 
-TEST(Minimise, OverlappingChainsComeApart) {
-  Scene scene = read_scene(find_scene("melt"));
-  push(scene.start.x, 50, 0.5);
-  ForceField forces(scene.system, scene.start.box, scene.terms);
-  const Minimised result = minimise(scene.system, forces, {100}, scene.start);
-  EXPECT_GT(result.energy_before, 100 * std::abs(result.energy));
-  EXPECT_LE(result.largest_force, 100);
-  EXPECT_LT(bond_errors(scene.system, scene.start.x).max, 1e-12);
-}
-
 // Two chains on top of each other, atom by atom, whose energy is no number: soft forces part them, and the pair forces
 // then take over.
 TEST(SoftStart, PartsAtomsInOnePlace) {
@@ -73,10 +63,10 @@ TEST(SoftStart, PartsChainsThatFoundNoRoom) {
   EXPECT_LT(parted.start_report().minimised->largest_force, 1e3);
 }
 
-// A pendulum falls to its lowest point and stays on its circle; its anchor stays where it is.
+// A pendulum falls to its lowest point and stays on its circle; its anchor, which is pulled, stays where it is.
 TEST(Minimise, PendulumHangs) {
   const System sys = make_system(Eigen::Vector2d(0, 3), {{0, 1, 0.5}});
-  ForceField forces(sys, {}, {.gravity = Vec3(0, 0, -10)});
+  ForceField forces(sys, {}, {.gravity = Vec3(0, 0, -10), .pulls = {{0, Vec3(100, 0, 0)}}});
   State s;
   Vectors& x = s.x = Vectors::Zero(3, 2);
   x(0, 1) = 0.5;
@@ -85,18 +75,6 @@ TEST(Minimise, PendulumHangs) {
   EXPECT_NEAR(x(2, 1), -0.5, 1e-9);
   EXPECT_NEAR(result.energy, -15, 1e-6);
   EXPECT_LE(result.largest_force, 1e-4);
-}
-
-// Pulled or not, an anchor stays, and what hangs from it comes to rest below.
-TEST(Minimise, APulledAnchorStays) {
-  const System sys = make_system(Eigen::Vector2d(0, 3), {{0, 1, 0.5}});
-  ForceField forces(sys, {}, {.gravity = Vec3(0, 0, -10), .pulls = {{0, Vec3(100, 0, 0)}}});
-  State s;
-  Vectors& x = s.x = Vectors::Zero(3, 2);
-  x(0, 1) = 0.5;
-  minimise(sys, forces, {1e-4}, s);
-  EXPECT_EQ(Vec3(x.col(0)), Vec3::Zero());
-  EXPECT_NEAR(x(2, 1), -0.5, 1e-9);
 }
 
 // The way down does not ask for masses.

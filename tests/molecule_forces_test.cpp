@@ -6,15 +6,13 @@
 #include <map>
 
 #include "forcefield/force_field.hpp"
+#include "scene_energy.hpp"
 #include "scene_text.hpp"
 #include "simulation/simulation.hpp"
 #include "systems/molecules/whole_molecules.hpp"
 
 namespace taut::molecule_forces_tests {
 namespace {
-
-using testing::ElementsAre;
-using testing::Pair;
 
 const std::string kEvery = R"([atom.Z]
 mass_u = 0
@@ -48,11 +46,7 @@ temperature_k = 300
 )";
 
 std::map<std::string, double> energies(const Scene& scene) {
-  State s = scene.start;
-  ForceField forces(scene.system, s.box, scene.terms);
-  ForceField::Evaluation besides;
-  forces.evaluate(scene.system, s, besides);
-  const auto all = forces.energies(s, besides);
+  const Energies all = energies_of(scene);
   return {all.begin(), all.end()};
 }
 
@@ -81,23 +75,6 @@ TEST(MoleculeForces, AllAct) {
   simulation.run([](const Record&) {});
   EXPECT_NEAR(simulation.record().total(), before, 2e-2);
   EXPECT_LT(simulation.record().bonds.max, 1e-9);
-}
-
-// Kremer and Grest's repulsion beside charges.
-TEST(MoleculeForces, RepulsionActs) {
-  const auto by_name = energies(read(R"([molecule.chain]
-atoms = [{name = "B", mass_u = 1, sigma_nm = 1, epsilon_kj_mol = 1, charge_e = 0.1}]
-units = 3
-fene = [[0, 1, 30, 1.5]]
-exclude = "none"
-[[place]]
-molecule = "chain"
-count = 2
-[forcefield]
-pair = "wca"
-)"));
-  EXPECT_GT(by_name.at("wca"), 0);
-  EXPECT_GT(by_name.at("lj_coulomb"), 0);
 }
 
 // −1 is the last of all units: a rope from end to end, one pull, one tether.
@@ -222,24 +199,6 @@ cutoff_nm = 1
   EXPECT_NEAR(wall(1, 99), 3.8, 1e-9);
   EXPECT_TRUE((balls.array() >= 1).all() && (balls.array() <= 3).all() && (balls.row(2).array() >= 2).all());
   EXPECT_GT(balls.row(0).maxCoeff() - balls.row(0).minCoeff(), 1);
-
-  const auto sheet = [](const std::string& corners, const std::string& how) {
-    const SceneText text{
-        "[molecule.wall]\natoms = [{name = \"W\", mass_u = 0, sigma_nm = 0.1, epsilon_kj_mol = 1}]\n"
-        "[[place]]\nmolecule = \"wall\"\ncount = 20\narrange = \"" +
-        how + "\"\nwithin_nm = " + corners + "\n[build]\nbox_nm = 4\n[forcefield]\ncutoff_nm = 1\n"};
-    const TemporaryFolder folder;
-    return Vectors(read_scene(folder.write("sheet.toml", text.text)).start.x);
-  };
-  // Quite flat: a layer of 5 x 4, a row of 20, and a plane with atoms here and there.
-  const Vectors layer = sheet("[0, 0, 1, 2, 1.6, 1]", "lattice"),
-                row = sheet("[0, 1, 1, 4, 1, 1]", "lattice"), drawn = sheet("[0, 0, 1, 4, 4, 1]", "random");
-  EXPECT_TRUE((layer.row(2).array() == 1).all() && (drawn.row(2).array() == 1).all());
-  for (int a = 1; a < 5; ++a) EXPECT_NEAR(layer(0, a) - layer(0, a - 1), 0.4, 1e-9);
-  EXPECT_NEAR(layer(1, 19), 1.4, 1e-9);
-  for (int a = 1; a < 20; ++a) EXPECT_NEAR(row(0, a) - row(0, a - 1), 0.2, 1e-9);
-  EXPECT_TRUE((row.bottomRows(2).array() == 1).all());
-  EXPECT_GT(drawn.row(0).maxCoeff() - drawn.row(0).minCoeff(), 1);
 }
 
 }  // namespace

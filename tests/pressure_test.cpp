@@ -63,51 +63,31 @@ Nonbonded charges_and_spheres(int atoms) {
   return nb;
 }
 
-TEST(Virial, OfPairsAtTheirNearestImages) {
-  Terms terms;
-  terms.nonbonded = charges_and_spheres(60);
-  expect_virial_is_the_slope(terms, spread(60, 1));
-}
-
-TEST(Virial, OfPairsWithoutACutoff) {
-  Terms terms;
-  terms.nonbonded = charges_and_spheres(30);
-  terms.nonbonded->cutoff.reset();
-  terms.nonbonded->switch_distance.reset();
-  expect_virial_is_the_slope(terms, spread(30, 2), false);
-}
-
-TEST(Virial, OfTheDispersionCorrection) {
-  Terms terms;
-  terms.nonbonded = charges_and_spheres(60);
-  terms.nonbonded->dispersion_correction = true;
-  expect_virial_is_the_slope(terms, spread(60, 1));
-}
-
-TEST(Virial, OfExceptions) {
-  Terms terms;
-  terms.nonbonded = charges_and_spheres(3);
-  terms.nonbonded->epsilon.setZero();
-  terms.nonbonded->charge.setZero();
-  terms.nonbonded->exceptions = {{0, 1, 0.2, 0.3, 0.5}, {1, 2, -0.1, 0.2, 0.1}};
-  expect_virial_is_the_slope(terms, columns({{0, 0, 0}, {0.3, 0, 0}, {0.3, 0.4, 0.1}}), false);
-}
-
-TEST(Virial, OfBeads) {
-  Terms terms;
-  terms.wca = Wca{.sigma = 0.5, .epsilon = 1, .exclusions = {}};
-  expect_virial_is_the_slope(terms, spread(60, 3));
+TEST(Virial, OfPairs) {
+  Terms boxed, apart;
+  boxed.nonbonded = apart.nonbonded = charges_and_spheres(60);
+  boxed.nonbonded->dispersion_correction = true;
+  apart.nonbonded->cutoff.reset();
+  apart.nonbonded->switch_distance.reset();
+  expect_virial_is_the_slope(boxed, spread(60, 1));
+  expect_virial_is_the_slope(apart, spread(60, 2), false);
+  expect_virial_is_the_slope({.wca = Wca{.sigma = 0.5, .epsilon = 1, .exclusions = {}}}, spread(60, 3));
 }
 
 TEST(Virial, OfWhatActsWithinMolecules) {
-  Terms terms;
+  const Vectors four = columns({{0, 0, 0}, {0.3, 0, 0}, {0.3, 0.4, 0.1}, {0.5, 0.6, 0.4}});
+  Terms exceptions, terms;
+  exceptions.nonbonded = charges_and_spheres(4);
+  exceptions.nonbonded->epsilon.setZero();
+  exceptions.nonbonded->charge.setZero();
+  exceptions.nonbonded->exceptions = {{0, 1, 0.2, 0.3, 0.5}, {1, 2, -0.1, 0.2, 0.1}};
+  expect_virial_is_the_slope(exceptions, four, false);
   terms.bonds = {{0, 1, 0.25, 1000}};
   terms.fene = {{1, 2, 30, 1.5}};
   terms.angles = {{0, 1, 2, 1.5, 100}};
   terms.rb_torsions = {{0, 1, 2, 3, {9, 12, 1, -30, 2, 1}}};
   terms.torsions = {{0, 1, 2, 3, 3, 0.1, 5}};
-  expect_virial_is_the_slope(terms, columns({{0, 0, 0}, {0.3, 0, 0}, {0.3, 0.4, 0.1}, {0.5, 0.6, 0.4}}),
-                             false);
+  expect_virial_is_the_slope(terms, four, false);
 }
 
 // A conductor's reaction field, whose force ends at zero: a slope across a kink is nobody's.
@@ -174,32 +154,6 @@ TEST(Pressure, IsTheSameForEveryMethodThatHoldsTheBonds) {
 TEST(Pressure, InMixedPrecision) {
   const Scene scene = water(), mixed = water({"forcefield.precision=mixed"});
   EXPECT_NEAR(atomic_pressure(mixed, mixed.start), atomic_pressure(scene, scene.start), 0.5);
-}
-
-// P V = N kT, kT by the centres' velocities: rotation pulls at the bonds as much as it moves the atoms.
-TEST(Pressure, OfAnIdealGasOfRigidDimers) {
-  Random random(4);
-  Eigen::VectorXd mass(40);
-  std::vector<RigidBond> bonds;
-  State s;
-  s.x.resize(3, 40);
-  s.v.resize(3, 40);
-  for (int d = 0; d < 20; ++d) {
-    mass.segment<2>(2 * d) << 1, 3;
-    bonds.push_back({2 * d, 2 * d + 1, 0.3});
-    s.x.col(2 * d) = random.uniform_vector();
-    s.x.col(2 * d + 1) = s.x.col(2 * d) + 0.3 * random.unit_vector();
-    for (int a : {2 * d, 2 * d + 1}) s.v.col(a) = random.normal_vector();
-  }
-  const System sys = make_system(mass, bonds);
-  s.box.edge.setConstant(kEdge);
-  Projector(sys).velocities(sys, s.x, s.v);
-  ForceField none(sys, s.box, {});
-  double twice_kinetic = 0;
-  for (int d = 0; d < 40; d += 2)
-    twice_kinetic += (s.v.middleCols<2>(d) * mass.segment<2>(d)).squaredNorm() / 4;
-  EXPECT_NEAR(Barometer(sys)(sys, none, s, s.v, {}).trace(), kBarPerUnit * twice_kinetic / s.box.volume(),
-              1e-9);
 }
 
 // A penalty's springs press as harmonic bonds of the same stiffness do.

@@ -4,14 +4,12 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/QR>
-#include <numbers>
 
 #include "forcefield/force_field.hpp"
 #include "md/observables.hpp"
+#include "scene_energy.hpp"
 #include "scene_text.hpp"
 #include "simulation/simulation.hpp"
-#include "systems/openmm/export.hpp"
-#include "systems/openmm/import.hpp"
 
 namespace taut::rigid_bodies_tests {
 namespace {
@@ -111,28 +109,6 @@ TEST_P(EveryBody, TurnsByItsInertiaWhereAForceActs) {
 INSTANTIATE_TEST_SUITE_P(All, EveryBody, testing::ValuesIn(kBodies),
                          [](const auto& of) { return std::string(of.param.name); });
 
-// Torque-free rotation of a symmetric top: the axis goes around L at L/I₁.
-TEST(RigidBodies, ASymmetricTopPrecessesAtLOverItsMoment) {
-  const std::vector<Vec3> ring = {
-      {0.2, 0, 0}, {-0.1, 0.1 * std::sqrt(3), 0}, {-0.1, -0.1 * std::sqrt(3), 0}, {0, 0, 0.3}, {0, 0, -0.3}};
-  Scene scene = read(rigid(ring, {10, 10, 10, 6, 6}), {"run.dt_fs=0.2", "run.steps=5000"});
-  const Vectors start = scene.start.x;
-  const Moments top(scene.system.mass, start);
-  const Vec3 axis = (start.col(3) - start.col(4)).normalized();
-  const Vec3 across = (start.col(0) - 0.5 * (start.col(1) + start.col(2))).normalized();
-  const Vec3 spin = 8 * axis + 5 * across;  // [1/ps]
-  for (int a = 0; a < scene.start.x.cols(); ++a)
-    if (scene.system.mass[a] > 0) scene.start.v.col(a) = spin.cross(Vec3(start.col(a) - top.centre));
-  const Vec3 momentum = top.inertia * spin;
-  const double rate = momentum.norm() / across.dot(top.inertia * across);
-  Simulation simulation(scene);
-  simulation.run({});
-  const Vec3 now = (simulation.state().x.col(3) - simulation.state().x.col(4)).normalized();
-  const Vec3 expected = Eigen::AngleAxisd(rate * simulation.state().t, momentum.normalized()) * axis;
-  EXPECT_LT((now - expected).norm(), 1e-4);
-  EXPECT_GT((now - axis).norm(), 0.1);
-}
-
 const SceneText kSites{R"([atom.A]
 mass_u = 20
 epsilon_kj_mol = 1
@@ -189,16 +165,12 @@ count = 1
 TEST(RigidBodies, GoToOpenMMAndBack) {
   const Body& lump = kBodies[3];
   const Scene scene = read(rigid(lump.shape, lump.masses, "pulls = [[1, 30, -20, 50], [4, 1, 2, 3]]"));
-  const TemporaryFolder folder;
-  const auto system = folder.write("a.system.xml", openmm_system_xml(openmm_input(scene)));
-  const auto state = folder.write("a.state.xml", openmm_state_xml(openmm_input(scene)));
-  const Scene back = import_openmm(system, state);
   const auto evaluated = [](const Scene& of) {
     State s = of.start;
     ForceField(of.system, s.box, of.terms).evaluate(of.system, s);
     return s;
   };
-  const State here = evaluated(scene), there = evaluated(back);
+  const State here = evaluated(scene), there = evaluated(through_openmm(scene));
   EXPECT_LT((here.x - there.x).norm(), 1e-14);
   EXPECT_LT((here.f - there.f).norm(), 1e-12);
 }
@@ -226,10 +198,6 @@ soft_start = true
   const Scene scene = read(rods.text);
   ASSERT_TRUE(scene.terms.wca);
   EXPECT_EQ(scene.terms.wca->without, (std::vector{3, 4, 8, 9, 13, 14}));
-  const auto energy_of = [](const Scene& of) {
-    State s = of.start;
-    return ForceField(of.system, s.box, of.terms).evaluate_energy(of.system, s);
-  };
   State placed = scene.start;
   place_sites(scene.system.sites, placed.x);
   double expected = 0;
@@ -241,10 +209,7 @@ soft_start = true
   EXPECT_GT(expected, 1);
   EXPECT_NEAR(energy_of(scene), expected, 1e-9 * expected);
 
-  const TemporaryFolder folder;
-  const auto system = folder.write("a.system.xml", openmm_system_xml(openmm_input(scene)));
-  const auto state = folder.write("a.state.xml", openmm_state_xml(openmm_input(scene)));
-  const Scene back = import_openmm(system, state);
+  const Scene back = through_openmm(scene);
   EXPECT_EQ(back.terms.wca->without, scene.terms.wca->without);
   EXPECT_NEAR(energy_of(back), expected, 1e-9 * expected);
 
@@ -253,18 +218,14 @@ soft_start = true
   EXPECT_EQ(parted.dof().total(), 3 * 5 - 3);  // its momentum is conserved from rest
 }
 
-std::string said(const std::string& old, const std::string& changed) {
-  return complaint(kSites.with(old, changed).text);
-}
-
 TEST(SitesInMolecules, BadOnesAreRefusedByName) {
-  EXPECT_EQ(complaint(kSites.text), "no error");
-  EXPECT_THAT(said("mass_u = 0\n", "mass_u = 3\n"),
-              HasSubstr("molecule.rods.virtual_sites2[0]: atom 1 is a virtual site of mass 3 u, expected"));
-  EXPECT_THAT(said("0.25]]", "0.25], [1, 2, 0, 0.5]]"), HasSubstr("atom 1 is a virtual site already"));
-  EXPECT_THAT(said("[[0, 2, 0.4]", "[[0, 1, 0.4]"), HasSubstr("molecule.rods.bonds[0]: atom 1 is a virtual"));
-  EXPECT_THAT(said("virtual_sites2", "springs = [[1, 3, 0.3, 100]]\nvirtual_sites2"),
-              HasSubstr("give coordinates_nm or file"));
+  const char* sites = "virtual_sites2";
+  expect_said(kSites,
+              {{sites, sites, "no error"},
+               {"mass_u = 0\n", "mass_u = 3\n", "virtual_sites2[0]: atom 1 is a virtual site of mass 3 u"},
+               {"0.25]]", "0.25], [1, 2, 0, 0.5]]", "atom 1 is a virtual site already"},
+               {"[[0, 2, 0.4]", "[[0, 1, 0.4]", "molecule.rods.bonds[0]: atom 1 is a virtual"},
+               {sites, "springs = [[1, 3, 0.3, 100]]\nvirtual_sites2", "give coordinates_nm or file"}});
 }
 
 TEST(SitesInMolecules, MayBeParents) {

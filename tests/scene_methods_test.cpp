@@ -8,6 +8,8 @@
 #include "constraints/methods/rattle.hpp"
 #include "constraints/redundancy.hpp"
 #include "forcefield/force_field.hpp"
+#include "md/units.hpp"
+#include "simulation/simulation.hpp"
 #include "systems/scene/scene_file.hpp"
 #include "verifier.hpp"
 
@@ -110,6 +112,29 @@ TEST(Scenes, RattleAndNewtonAgreeToRoundOff) {
     EXPECT_LT((rattle.end.x - newton.end.x).cwiseAbs().maxCoeff(), 1e-10);
   }
 }
+
+class HardMolecules : public ::testing::TestWithParam<SceneAndMethod> {};
+
+TEST_P(HardMolecules, AreHeldAndKeepTheirEnergy) {
+  const auto& [name, method] = GetParam();
+  const auto file = scenes_folder() / "hard" / (name + ".toml");
+  Simulation simulation(read_scene(file, {"method.name=" + method, "run.steps=3000"}));
+  const double energy = simulation.record().total();
+  const Summary summary = simulation.run([](const Record&) {});
+  EXPECT_NE(summary.converged, false);
+  EXPECT_LT(summary.max_rel_bond_error, method == "baumgarte" ? 1e-6 : 2e-10);
+  EXPECT_LT(std::abs(summary.total - energy), 0.01 * kBoltzmann * 300 * simulation.dof().total());
+}
+
+std::vector<SceneAndMethod> hard_molecules() {
+  std::vector<SceneAndMethod> cases;
+  for (const char* scene : {"methane", "cholesterol", "heme"})
+    for (const char* method : {"newton", "rattle", "feedforward", "baumgarte"})
+      cases.push_back({scene, method});
+  return cases;
+}
+INSTANTIATE_TEST_SUITE_P(Each, HardMolecules, ::testing::ValuesIn(hard_molecules()),
+                         [](const auto& test) { return test.param.scene + "_" + test.param.method; });
 
 }  // namespace
 }  // namespace taut::scene_methods_tests

@@ -89,16 +89,6 @@ TEST(Temperatures, ShareTheKineticEnergy) {
               kinetic_energy(sys, s.v), 1e-12);
 }
 
-// All that moves is one rotor's turning: I ω²/2, I = μd².
-TEST(Temperatures, OfARotor) {
-  auto [sys, s] = tests::rotor(2);
-  Temperatures temperatures(sys, {}, s.x, true);
-  s.v.row(0).array() += 1;  // and it flies along
-  temperatures.see(sys, s.x, s.v);
-  EXPECT_NEAR(temperatures.temperature(0, MotionClass::kRotation).value, 2 * 1.0 / (2 * kBoltzmann), 1e-9);
-  EXPECT_NEAR(temperatures.temperature(0, MotionClass::kTranslation).value, 2 * 1.0 / (3 * kBoltzmann), 1e-9);
-}
-
 // Beside plain block means: for 100 numbers of blocks of 4, 25 of them; the mean is of all numbers.
 TEST(RunningMean, HasTheErrorOfItsBlocks) {
   Random random(3);
@@ -197,18 +187,6 @@ TEST(Temperatures, OfAMoleculeThatBends) {
     for (int motion = 0; motion < 3; ++motion)
       EXPECT_NEAR(temperatures.temperature(0, MotionClass(motion)).value, 300, 12) << kMotionNames[motion];
   }
-}
-
-TEST(RunningMean, IsTheBlocksMeanInFixedMemory) {
-  Random random(1);
-  RunningMean mean;
-  EXPECT_EQ(mean.estimate().error, 0);
-  for (int n = 0; n < 20000; ++n) mean.add(3 + random.normal());
-  EXPECT_NEAR(mean.estimate().value, 3, 0.03);
-  const double error =
-      mean.estimate().error * std::sqrt(20000.0);  // it may be two errors, by the halves' chance
-  EXPECT_GT(error, 0.6);
-  EXPECT_LT(error, 2.2);
 }
 
 }  // namespace

@@ -218,17 +218,29 @@ TEST(Transaction, AtomsMovedAfterTheLastStepMakeNoSecondRow) {
   EXPECT_TRUE(std::isfinite(summary.rms_rel_bond_error));
 }
 
-struct BusyOptions {
-  std::vector<Option> describe() { return {}; }
-};
+// Registers a method of the test's own, and returns its options.
+template <class Method>
+auto added(const char* name) {
+  struct Options {
+    std::vector<Option> describe() { return {}; }
+  };
+  const auto make = [](const System&, const std::any&, double) -> std::unique_ptr<ConstraintMethod> {
+    return std::make_unique<Method>();
+  };
+  add_method({.name = name,
+              .summary = "a test's",
+              .defaults = Options{},
+              .describe = [](std::any&) { return std::vector<Option>{}; },
+              .make = make,
+              .make_plain = make});
+  return Options{};
+}
+
 // Takes 2³⁰ sweeps a step, or says so.
 struct Busy : ConstraintMethod {
   SolveStats project_velocities(const System&, double, State&) override { return {.iterations = 1 << 30}; }
 };
 
-struct CountdownOptions {
-  std::vector<Option> describe() { return {}; }
-};
 struct Countdown : ConstraintMethod {
   int n = 0;
   SolveStats add_forces(const System&, const Push& push, State&) override {
@@ -238,17 +250,8 @@ struct Countdown : ConstraintMethod {
 
 // A row tells of the steps since the one before, the end's too.
 TEST(Counters, BeginAgainAtEachRow) {
-  const auto make = [](const System&, const std::any&, double) -> std::unique_ptr<ConstraintMethod> {
-    return std::make_unique<Countdown>();
-  };
-  add_method({.name = "countdown",
-              .summary = "a test's",
-              .defaults = CountdownOptions{},
-              .describe = [](std::any&) { return std::vector<Option>{}; },
-              .make = make,
-              .make_plain = make});
   Scene scene = scene_of("pendulum", {"run.steps=7", "run.log_every=3"});
-  scene.method = CountdownOptions{};
+  scene.method = added<Countdown>("countdown");
   Simulation simulation(scene);
   std::vector<long> steps;
   std::vector<double> iterations;
@@ -261,17 +264,8 @@ TEST(Counters, BeginAgainAtEachRow) {
 
 // However many there are between two rows of the log, what is kept in memory and in a checkpoint is sound.
 TEST(Counters, GoOnAfterBillionsOfIterations) {
-  const auto make = [](const System&, const std::any&, double) -> std::unique_ptr<ConstraintMethod> {
-    return std::make_unique<Busy>();
-  };
-  add_method({.name = "busy",
-              .summary = "a test's",
-              .defaults = BusyOptions{},
-              .describe = [](std::any&) { return std::vector<Option>{}; },
-              .make = make,
-              .make_plain = make});
   Scene scene = scene_of("pendulum", {"run.steps=6", "run.log_every=6"});
-  scene.method = BusyOptions{};
+  scene.method = added<Busy>("busy");
   Simulation first(scene), second(scene);
   std::string bytes;
   first.run({}, [&](long step) {

@@ -125,19 +125,6 @@ TEST_P(EveryKind, HasTheVirialOfItsParents) {
                   1e-7 * virial.norm());
 }
 
-// Force and torque are kept; what is added to Σ x fᵀ is told.
-TEST_P(EveryKind, KeepsForceAndTorque) {
-  const Vectors x = placed(kPlaces);
-  Vectors before = Vectors::Zero(3, 8);
-  before.col(4) = Vec3(3, -5, 2);
-  Vectors after = before;
-  const Eigen::Matrix3d told = hand_to_parents(GetParam().sites, x, after);
-  EXPECT_LT((after - before).rowwise().sum().norm(), 1e-13);
-  const Eigen::Matrix3d moved = x * (after - before).transpose();
-  EXPECT_LT((moved - told).norm(), 1e-13);
-  EXPECT_LT((told - told.transpose()).norm(), 1e-13);
-}
-
 TEST_P(EveryKind, MovesAsItsParentsMove) {
   Random random(1);
   Vectors v(3, 8);
