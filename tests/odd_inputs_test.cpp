@@ -6,7 +6,6 @@
 
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <regex>
 #include <thread>
 
 #include "taut_command.hpp"
@@ -19,14 +18,9 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 TEST(OddInputs, NumbersOfStepsAreWrittenAsInScenes) {
-  for (const char* steps : {"1e1", "10.0", "1E1", "10"}) {
-    const auto [exit_code, text] = taut(std::string("run pair --steps ") + steps);
-    EXPECT_EQ(exit_code, 0) << text;
-    EXPECT_THAT(text, HasSubstr("  10 steps of 1 fs")) << steps;
-  }
-  EXPECT_THAT(taut("run pair --steps 1.5").text, HasSubstr("--steps: expected a whole number, got 1.5"));
-  EXPECT_EQ(taut("run pair --steps 1.5").exit_code, 2);
-  EXPECT_THAT(taut("run pair --threads 0.0").text, HasSubstr("--threads: expected 1 to 1024 threads, got 0"));
+  for (const char* steps : {"1e1", "10.0"})
+    EXPECT_THAT(taut(std::string("run pair --steps ") + steps).text, HasSubstr("  10 steps of 1 fs"))
+        << steps;
 }
 
 // A name of bytes that are no UTF-8 is a name; JSON has U+FFFD in its place.
@@ -130,55 +124,11 @@ TEST(OddInputs, APipeIsNoInputOfARunThatIsKept) {
   EXPECT_FALSE(fs::exists(folder.path() / "out"));
 }
 
-TEST(OddInputs, AChartWithoutAMethodForItsBondsIsRefused) {
-  const TemporaryFolder folder;
-  const fs::path out = folder.path() / "chart";
-  const auto refused = taut("chart freely_jointed --quick --methods settle --out " + out.string());
-  EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_THAT(refused.text,
-              HasSubstr("taut: freely_jointed: no method to chart: method settle: bond 0 (0-1) is not "
-                        "part of a three-site water"));
-  EXPECT_FALSE(fs::exists(out));
-}
-
 TEST(OddInputs, AFileThatCannotBeMadeIsCalledByItsName) {
   const auto refused = taut("crosscheck pair --export /nowhere/at/all");
   EXPECT_EQ(refused.exit_code, 3);
   EXPECT_THAT(refused.text, HasSubstr("taut: /nowhere/at/all.system.xml: cannot open: No such file"));
   EXPECT_THAT(refused.text, Not(HasSubstr(".part")));
-}
-
-TEST(OddInputs, AtomsAloneDoNotTurn) {
-  const TemporaryFolder folder;
-  const auto scene = folder.write("gas.toml", R"([molecule.argon]
-atoms = [{name = "Ar", mass_u = 40, sigma_nm = 0.34, epsilon_kj_mol = 1}]
-[[place]]
-molecule = "argon"
-count = 20
-[build]
-box_nm = 3.3
-[forcefield]
-cutoff_nm = 1
-[run]
-temperature_k = 100
-steps = 10
-)");
-  const auto [exit_code, text] = taut("run " + scene.string());
-  EXPECT_EQ(exit_code, 0) << text;
-  EXPECT_THAT(text, HasSubstr("20 atoms: translation "));
-  EXPECT_THAT(text, Not(HasSubstr("rotation")));
-  EXPECT_THAT(text, Not(HasSubstr("rest ")));
-}
-
-// A newcomer copies what the README says.
-TEST(OddInputs, FilesOfTheReadmeAreThere) {
-  const fs::path root = fs::path(TAUT_SCENES).parent_path();
-  const std::string text = contents(root / "README.md");
-  const std::regex file("tests/data/[A-Za-z0-9_./-]+");
-  const std::sregex_iterator begin(text.begin(), text.end(), file), end;
-  EXPECT_NE(begin, end);
-  for (auto match = begin; match != end; ++match)
-    EXPECT_TRUE(fs::exists(root / match->str())) << match->str();
 }
 
 }  // namespace

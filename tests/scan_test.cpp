@@ -3,9 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "base/zero_step.hpp"
 #include "measures/csv.hpp"
 #include "taut_command.hpp"
 #include "temporary_folder.hpp"
@@ -60,18 +60,14 @@ TEST(Scan, OfStepsIsExtrapolatedToNone) {
   ASSERT_EQ(all.size(), 8u);
   EXPECT_EQ(all[6]["values"]["method.name"], "newton");
   EXPECT_EQ(all[6]["values"]["run.dt_fs"], "0");
-  const json& zero = all[6]["mean"]["temperature_k"];
-  EXPECT_EQ(zero["degrees_of_freedom"], 1);
-  double numerator = 0, w = 0, wx = 0, wxx = 0;
-  const auto weight = [&](int k) {
-    return 1 / std::pow(all[k]["mean"]["temperature_k"]["error"].get<double>(), 2);
-  };
-  const std::vector<double> squares = {4, 16, 25};
-  for (int k = 0; k < 3; ++k)
-    w += weight(k), wx += weight(k) * squares[k], wxx += weight(k) * squares[k] * squares[k];
-  for (int k = 0; k < 3; ++k)
-    numerator += weight(k) * (wxx - wx * squares[k]) * all[k]["mean"]["temperature_k"]["value"].get<double>();
-  EXPECT_NEAR(zero["value"].get<double>(), numerator / (w * wxx - wx * wx), 1e-6);
+  EXPECT_EQ(all[6]["mean"]["temperature_k"]["degrees_of_freedom"], 1);
+  std::vector<AtStep> points;
+  for (int k = 0; k < 3; ++k) {
+    const json& t = all[k]["mean"]["temperature_k"];
+    points.push_back({std::vector<double>{2, 4, 5}[k], {t["value"], t["error"]}});
+  }
+  EXPECT_NEAR(all[6]["mean"]["temperature_k"]["value"].get<double>(), at_zero_step(points)->value.value,
+              1e-6);
   EXPECT_THAT(contents(out + "/zero_step.csv"), HasSubstr("\ntemperature,K,method.name=newton,"));
   said(command + " --quiet");  // its table is its own
 }
@@ -89,15 +85,6 @@ TEST(Scan, LeavesForeignFilesAlone) {
   folder.write("notes.txt", "mine");
   said(command + " --quiet");
   said(command + " --quiet");  // its own files are
-}
-
-// As many runs at once as this process may use cores.
-TEST(Scan, TakesTheCoresItMayUse) {
-  const TemporaryFolder folder;
-  const Outcome outcome =
-      taut("scan pair --steps 5 --vary run.dt_fs=1,2 --out " + folder.path().string(),
-           "core=$(taskset -pc $$ | sed 's/.*: //; s/[-,].*//') && OMP_NUM_THREADS=1 taskset -c $core");
-  EXPECT_THAT(outcome.text, HasSubstr("2 runs of 2 settings, 1 at once"));
 }
 
 TEST(Scan, RefusesWhatItCannotRun) {

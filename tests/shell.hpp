@@ -57,6 +57,10 @@ class Shell {
   }
 
   void send(int signal) const { kill(pid_, signal); }
+  void halt() const {  // returns when it stands still
+    kill(pid_, SIGSTOP);
+    waitpid(pid_, nullptr, WUNTRACED);
+  }
   int terminal() const { return terminal_; }
   void close_terminal() { close(std::exchange(terminal_, -1)); }
   std::string error() const { return contents(error_); }
