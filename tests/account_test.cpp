@@ -11,7 +11,6 @@
 namespace taut::account_tests {
 namespace {
 
-using tests::Overrides;
 using tests::rows_of;
 using tests::summary_of;
 
@@ -28,30 +27,6 @@ TEST(Account, SaysWhoseTheDriftIs) {
   EXPECT_NEAR(implicit.constraint_drift.value / implicit.drift.value, 1, 0.1);
   EXPECT_LT(std::abs(newton.constraint_drift.value), 0.03 * implicit.constraint_drift.value);
   EXPECT_LT(std::abs(newton.constraint_work), 0.03 * implicit.constraint_work);
-}
-
-// Of atoms under a uniform force and no bonds, nothing but the bath's heat is left.
-TEST(Account, OfFreeAtomsIsTheBathsAlone) {
-  for (const Overrides& bath : {Overrides{"run.thermostat=langevin", "run.friction_per_ps=20"},
-                                Overrides{"run.thermostat_ps=0.05"}}) {
-    SCOPED_TRACE(bath[0]);
-    Overrides all = {"build.chains=20", "method.name=none", "run.steps=200", "run.log_every=10",
-                     "run.dt_fs=2"};
-    all.insert(all.end(), bath.begin(), bath.end());
-    Scene scene = scene_of("trimer", all);
-    scene.system.bonds.clear();
-    scene.terms.gravity = Vec3(0, 0, -9);
-    std::vector<Record> rows;
-    Simulation simulation(std::move(scene));
-    simulation.run([&](const Record& r) { rows.push_back(r); });
-    const double scale = rows.front().kinetic;
-    EXPECT_GT(std::abs(*rows.back().heat), 0.03 * scale);
-    for (const Record& r : rows) {
-      EXPECT_NEAR(r.total() - rows.front().total(), *r.heat, 1e-10 * scale) << r.step;
-      EXPECT_NEAR(r.constraint_work, 0, 1e-10 * scale) << r.step;
-    }
-    EXPECT_NEAR(rows.back().drift, 0, 1e-4);
-  }
 }
 
 // What rescaling gives springs, and velocities that keep a part along the bonds, is counted as it is logged:

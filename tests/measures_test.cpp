@@ -101,16 +101,6 @@ TEST(Measures, AnIdealGasOfTwoKindsHasAFlatDistribution) {
   EXPECT_EQ(g.g[0].value, 0) << "partners of a molecule are left out";
 }
 
-// ⟨R²⟩ = N b².
-TEST(Measures, FreelyJointedChainsEndWhereTheyShould) {
-  const Scene scene = read_scene(find_scene("freely_jointed"), {"build.chains=3000", "build.bond_nm=0.5"});
-  EndToEnd chains(chain_ends(scene.system, scene.terms));
-  chains.see(0, scene.start.x);
-  const double expected = 19 * 0.25, spread = std::sqrt(2.0 / 3) * expected / std::sqrt(3000.0);
-  EXPECT_NEAR(chains.squared().value, expected, 4 * spread);
-  EXPECT_NEAR(chains.root().value, std::sqrt(expected), 4 * spread);
-}
-
 // Chains that forget their ends within 50 frames, seen for 200: each R² is an AR(1) process of mean 10 and
 // spread 2, so that its mean over the frames has a spread known in closed form. Blocks of 20 frames see a
 // third of it.

@@ -18,8 +18,6 @@
 namespace taut::uneven_rows_tests {
 namespace {
 
-using ::testing::HasSubstr;
-
 // So many samples from `t` on, `interval` apart.
 void add_times(std::vector<double>& t, double begin, double interval, int samples) {
   for (int k = 0; k < samples; ++k) t.push_back(begin + k * interval);
@@ -118,6 +116,8 @@ TEST(UnevenRows, HaveTheViscosityOfEvenOnes) {
   EXPECT_EQ(part.rows.samples.size(), kRows / 2);
   EXPECT_NEAR(part.viscosity.value, exact, 0.12 * exact);
   EXPECT_NEAR(whole.viscosity.value, exact, 0.12 * exact);
+  EXPECT_LT(whole.viscosity.error, 0.15 * exact);
+  EXPECT_GT(whole.cut, 3 * decay * 0.002);
   // Where the second half is too coarse to tell, the first half does.
   StressSeries coarse{.pressure = {}, .t = {}, .volume = 27, .temperature = 300};
   for (std::size_t row = 0; row < kRows; row += row < kRows / 4 ? 1 : 10) {
@@ -174,6 +174,8 @@ TEST(UnevenRows, HaveTheRelaxationOfTheirTimes) {
   ASSERT_EQ(relaxation.flaw, "");
   EXPECT_NEAR(relaxation.time.value, 12, 4 * relaxation.time.error);
   EXPECT_NEAR(relaxation.time.value, 12, 1.5);
+  for (std::size_t k = 0; k < relaxation.t.size(); k += 20)
+    EXPECT_NEAR(relaxation.correlation[k].value, std::exp(-relaxation.t[k] / 12), 0.06);
   EXPECT_NEAR(chains.gyration_squared().value, 0.75, 4 * chains.gyration_squared().error);
 }
 

@@ -98,37 +98,6 @@ TEST(Knee, LigamentsHoldByAllGainsAndDriftWithoutAny) {
   for (const Overrides& gains : {Overrides{}, physical}) EXPECT_LT(minute_of_swinging(gains, 27).bonds, 0.01);
 }
 
-// σ₊ − 2σ + σ₋ = ¼h⁴|a|², σ₁ = ½h³v·a + ⅛h⁴|a|², with v and a of a motion that holds the leg's length.
-TEST(PlantedFoot, SlidesAsForetoldUnlessItIsHeld) {
-  const double g = 9.81, mass = 70;
-  double sigma = 0, before = 0;
-  std::vector<double> foretold, closed;
-  watch(read_scene(world("planted_foot"), {"method.name=newton"}), [&](const Simulation& s) {
-    const double h = s.scene().run.h();
-    const Vec3 r = s.state().x.col(1), v = s.state().v.col(1), gravity(0, -g, 0);
-    const Vec3 a = gravity - (r.dot(gravity) + v.squaredNorm()) / r.squaredNorm() * r;
-    closed.push_back(mass * (g * r.y() - v.squaredNorm()) / r.norm());
-    foretold.push_back(sigma / 0.9);
-    const double fed = 0.25 * std::pow(h, 4) * a.squaredNorm();
-    const double next =
-        foretold.size() == 1 ? 0.5 * std::pow(h, 3) * v.dot(a) + 0.5 * fed : 2 * sigma - before + fed;
-    before = std::exchange(sigma, next);
-  });
-  const auto off = [](const Simulation& s) { return s.state().x.col(1).norm() - 0.9; };
-  std::size_t n = 0;
-  watch(read_scene(world("planted_foot"), {"method.name=none"}), [&](const Simulation& s) {
-    EXPECT_NEAR(off(s), foretold[n], 1e-4 * std::abs(foretold[n])) << n;
-    ++n;
-  });
-  EXPECT_GT(std::abs(foretold.back()), 1e-5);
-  n = 0;
-  watch(read_scene(world("planted_foot")), [&](const Simulation& s) {
-    EXPECT_LT(std::abs(off(s)), n < 20 ? 2.6e-7 : 1e-9) << n;
-    EXPECT_NEAR(-s.bond_tensions()[0], closed[n], 1e-3 * closed[n]);  // of the ground, upwards along the leg
-    EXPECT_GT(closed[n++], 0);                                        // or else the foot would energy_shift
-  });
-}
-
 double nearest_layers(Scene scene) {
   double nearest = 1e9;
   const std::vector<OneSidedBond> struts = read_scene(world("fold")).system.one_sided;
@@ -163,53 +132,6 @@ TEST(Fold, ComesToRestFolded) {
     most = std::max(most, kinetic);
   });
   EXPECT_LT(kinetic, 1e-3 * most);
-}
-
-// Implicit damping gives dE/dt = −(αh)h³/(βh)² Σ λ̇ v·a, v and a of a bond's ends, λ of a motion that holds
-// them.
-TEST(DoublePendulum, ImplicitDampingGivesTheEnergyThatIsForetold) {
-  const auto scene = [](Overrides overrides) {
-    overrides.insert(overrides.end(), {"run.dt_fs=1", "run.steps=3000", "run.log_every=3000"});
-    return read_scene(find_scene("double_pendulum"), overrides);
-  };
-  std::vector<double> integral;
-  Eigen::VectorXd before;
-  Vectors v_before;
-  watch(scene({"method.name=newton"}), [&](const Simulation& s) {
-    const double h = s.scene().run.h();
-    const Eigen::VectorXd lambda = -s.bond_tensions();  // of bonds of 1 nm
-    integral.push_back(integral.empty() ? 0 : integral.back());
-    for (int k = 0; k < before.size(); ++k) {
-      const auto& [i, j, d] = s.scene().system.bonds[k];
-      const Vec3 now = s.state().v.col(j) - s.state().v.col(i), then = v_before.col(j) - v_before.col(i);
-      integral.back() -= h * h * (lambda[k] - before[k]) * 0.5 * (now + then).dot(now - then);
-    }
-    before = lambda;
-    v_before = s.state().v;
-  });
-  const auto energy = [&](const std::string& damping, double ah) {
-    std::vector<double> all;
-    watch(scene({"method.name=baumgarte", "method.damping=" + damping, "method.tolerance=1e-12",
-                 fmt::format("method.alpha_per_ps={}", 1000 * ah), "method.beta_per_ps=1414.2136"}),
-          [&](const Simulation& s) { all.push_back(s.record().total()); });
-    return all;
-  };
-  const std::vector<double> usual = energy("discrete", 0.1);
-  const auto given = [&](const std::string& damping,
-                         double ah) {  // as a share of what is foretold, and how far off
-    const std::vector<double> measured = energy(damping, ah);
-    double off = 0, all = 0;
-    for (std::size_t n = 0; n < usual.size(); ++n) {
-      off += std::pow(measured[n] - usual[n] - ah / 2 * integral[n], 2);
-      all += std::pow(ah / 2 * integral[n], 2);
-    }
-    return std::pair((measured.back() - usual.back()) / (ah / 2 * integral.back()), std::sqrt(off / all));
-  };
-  for (const double ah : {0.1, 0.3, 1.0}) {
-    EXPECT_NEAR(given("implicit", ah).first, 1, 2e-3) << ah;
-    EXPECT_LT(given("implicit", ah).second, 0.17) << ah;
-  }
-  EXPECT_NEAR(given("centred", 0.1).first, 0, 1e-3);
 }
 
 // To the last bit, in the middle of touches.
@@ -263,19 +185,6 @@ TEST(Slit, BothWallsBearThePressureAcrossIt) {
   EXPECT_GT(summary.walls[0].value, 100);  // bar
   EXPECT_LT(deviations(summary.walls[0], summary.walls[1]), 4);
   EXPECT_NEAR(inside.estimate().value, walls.estimate().value, 0.05 * walls.estimate().value);
-}
-
-// The heat is shared by moving and turning, of the two masses of a rod and the three of a plate.
-TEST(Rods, TurnAndMoveAtTheBathsTemperature) {
-  Simulation simulation(read_scene(world("rods"), {"run.friction_per_ps=5"}));
-  simulation.run({});
-  const auto& types = simulation.temperatures().types();
-  ASSERT_EQ(types.size(), 2u);
-  EXPECT_EQ(types[0].dof[1], 30 * 2);  // a rod turns about two axes
-  EXPECT_EQ(types[1].dof[1], 20 * 3);
-  for (int type = 0; type < 2; ++type)
-    for (const MotionClass motion : {MotionClass::kTranslation, MotionClass::kRotation})
-      EXPECT_LT(deviations(simulation.temperatures().temperature(type, motion), {300, 0}), 4) << type;
 }
 
 // systems/README.md shows every scene, with a picture that is there.
