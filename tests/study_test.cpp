@@ -5,14 +5,16 @@
 
 #include <cmath>
 #include <fstream>
-#include <sstream>
 
 #include "base/errors.hpp"
+#include "error_message.hpp"
+#include "measures/csv.hpp"
 #include "scene_text.hpp"
 #include "simulation/simulation.hpp"
 #include "studies/chart_study.hpp"
 #include "studies/chart_verdict.hpp"
 #include "studies/stability_study.hpp"
+#include "studies/trial.hpp"
 #include "systems/scene/scene_file.hpp"
 #include "temporary_folder.hpp"
 
@@ -22,13 +24,7 @@ namespace {
 // Rows by column name, as text.
 class Table {
  public:
-  explicit Table(const std::string& csv) {
-    std::istringstream in(csv);
-    std::string line;
-    std::getline(in, line);
-    header_ = cells(line);
-    while (std::getline(in, line)) rows_.push_back(cells(line));
-  }
+  explicit Table(const std::string& csv) : rows_(csv_rows(csv)) {}
 
   std::string text(const std::string& column,
                    const std::vector<std::pair<std::string, std::string>>& where) const {
@@ -47,23 +43,10 @@ class Table {
   }
 
  private:
-  static std::vector<std::string> cells(const std::string& line) {
-    std::vector<std::string> all(1);
-    bool inside = false;
-    for (const char c : line)
-      if (c == '"')
-        inside = !inside;
-      else if (c == ',' && !inside)
-        all.emplace_back();
-      else
-        all.back() += c;
-    return all;
-  }
   std::size_t at(const std::string& column) const {
-    return static_cast<std::size_t>(std::ranges::find(header_, column) - header_.begin());
+    return static_cast<std::size_t>(std::ranges::find(rows_[0], column) - rows_[0].begin());
   }
 
-  std::vector<std::string> header_;
   std::vector<std::vector<std::string>> rows_;
 };
 
@@ -107,64 +90,29 @@ TEST_F(Study, ErrorsFollowTolerancesAndOrders) {
 }
 
 TEST_F(Study, ChartsTheSceneWithPairForcesInEveryPanel) {
-  const std::vector<std::string> panels = {"work", "drift", "order", "length", "precision"};
-  const auto names_of = [](const auto& tables) {
-    std::vector<std::string> names;
-    for (const auto& [name, csv] : tables) names.push_back(name);
-    return names;
-  };
   ChartPlan plan = chart("freely_jointed", {"newton"});
   plan.scene = read(kMelt);
-  const TemporaryFolder folder;
   plan.steps = 4, plan.drift_steps = 20;
-  for (const std::string& panel : panels) {
-    SCOPED_TRACE(panel);
-    plan.panels = {panel};
-    Ledger ledger(folder.path() / panel, "test");
+  const TemporaryFolder folder;
+  const auto tables = [&](const std::string& file) {
+    Ledger ledger(folder.path() / file, "test");
     run(chart_jobs(plan, ledger), ledger);
-    std::vector<std::string> expected = {panel, "failures"};
-    if (panel == "drift") expected.insert(expected.begin(), "work");
-    EXPECT_EQ(names_of(chart_tables(plan, ledger)), expected);
-  }
-  plan.panels = {panels.begin(), panels.end()};
-  run(chart_jobs(plan, ledger_), ledger_);
-  const auto tables = chart_tables(plan, ledger_);
-  EXPECT_THAT(names_of(tables),
+    return chart_tables(plan, ledger);
+  };
+  const auto names_of = [](const auto& found) {
+    std::vector<std::string> names;
+    for (const auto& [name, csv] : found) names.push_back(name);
+    return names;
+  };
+  const auto all = tables("all");
+  EXPECT_THAT(names_of(all),
               testing::ElementsAre("work", "drift", "order", "length", "precision", "failures"));
-  const Table precision(tables[4].second);
   for (const char* kind : {"double", "mixed"})
-    EXPECT_GT(precision.number("step_us", {{"precision", kind}}), 0);
+    EXPECT_GT(Table(all[4].second).number("step_us", {{"precision", kind}}), 0);
+  plan.panels = {"drift"};
+  EXPECT_THAT(names_of(tables("one")), testing::ElementsAre("work", "drift", "failures"));
   plan.scene = read_scene(find_scene("freely_jointed"), {"build.chains=2"});
   EXPECT_FALSE(plan.has("precision")) << "no pair forces";
-}
-
-// A chain that hangs at rest moves by rounding alone, which is no energy that blows up.
-TEST_F(Study, WhatHangsAtRestDoesNotBlowUp) {
-  const Scene scene = read(R"([build]
-kind = "atoms"
-atoms = [[0, 0, 0, 0], [0, -1, 0, 1], [0, -2, 0, 1], [0, -3, 0, 10]]
-bonds = [[0, 1, 1], [1, 2, 1], [2, 3, 1]]
-velocities = [[0, 0, 0], [0, 0, 0], [0, 0, 0], [0, 0, 0]]
-gravity_nm_ps2 = [0, -9.81, 0]
-[run]
-dt_fs = 1
-)");
-  for (const char* method : {"newton", "baumgarte", "feedforward"})
-    EXPECT_EQ(try_setting(scene, setting_of(method), {}).failure, "");
-}
-
-// A rotor turning by θ = 0.1 a step settles at θ⁴/8, and at h⁴ of it at shorter steps.
-TEST_F(Study, BaumgartesFloorIsThatOfARotor) {
-  const ChartPlan plan =
-      chart("diatomic", {"baumgarte"}, {"method.name=baumgarte", "method.damping=centred"});
-  run(work_jobs(plan, ledger_), ledger_);
-  run(order_jobs(plan), ledger_);
-  const Table work(work_csv(plan, ledger_)), order(order_csv(plan, ledger_));
-  const double floor = 0.1 * 0.1 * 0.1 * 0.1 / 8;
-  EXPECT_NEAR(work.number("rms_rel_bond_error", {{"value", "dead-beat"}}) / floor, 1, 0.05);
-  const auto largest = [&](const char* dt) { return order.number("max_rel_bond_error", {{"dt_fs", dt}}); };
-  EXPECT_NEAR(largest("10") / largest("5"), 16, 1);
-  EXPECT_NEAR(largest("5") / largest("2.5"), 16, 1);
 }
 
 TEST_F(Study, TrajectoriesAreOfSecondOrder) {
@@ -172,31 +120,6 @@ TEST_F(Study, TrajectoriesAreOfSecondOrder) {
       chart("freely_jointed", {"baumgarte", "feedforward", "rattle", "newton"}, {"build.chains=2"});
   run(order_jobs(plan), ledger_);
   for (const auto& method : plan.methods) EXPECT_NEAR(order_of(plan, ledger_, method), 2, 0.1) << method;
-}
-
-// What implicit damping adds to a pendulum's drift: as αh, as h³ and as 1/(βh)²; what centred damping adds is
-// small.
-TEST_F(Study, ImplicitDampingDriftsAsPredicted) {
-  const auto plane = [&](const char* dt_fs, long steps, const std::string& file) {
-    StabilityPlan plan{.methods = {}, .quick = true, .plane_steps = steps};
-    plan.scenes.push_back(read_scene(find_scene("pendulum"), {std::string("run.dt_fs=") + dt_fs}));
-    Ledger ledger(folder_.path() / file, "test");
-    run(plane_jobs(plan), ledger);
-    return Table(plane_csv(plan, ledger));
-  };
-  const Table coarse = plane("10", 1000, "coarse"), fine = plane("5", 2000, "fine");
-  const auto added = [](const Table& t, const char* damping, const char* ah, const char* bh) {
-    const auto drift = [&](const char* at) {
-      return t.number("drift_kj_mol_ns_dof", {{"damping", damping}, {"alpha_h", at}, {"beta_h", bh}});
-    };
-    return drift(ah) - drift("0.05");
-  };
-  const double all = added(coarse, "implicit", "0.2", "1");
-  EXPECT_GT(all, 0);
-  EXPECT_NEAR(added(coarse, "implicit", "0.4", "1") / all, 0.35 / 0.15, 0.15);
-  EXPECT_NEAR(all / added(fine, "implicit", "0.2", "1"), 8, 1);
-  EXPECT_NEAR(all / added(coarse, "implicit", "0.2", "1.6"), 1.6 * 1.6, 0.4);
-  EXPECT_LT(std::abs(added(coarse, "centred", "0.2", "1")), 0.05 * all);
 }
 
 TEST_F(Study, RattlesEnergyIsFlat) {
@@ -373,6 +296,48 @@ TEST_F(Study, TellsStepsThatRunFromThoseThatKeepTheEnergy) {
   EXPECT_LE(std::abs(kept.drift), 0.1 * kept.kT + 3 * kept.drift_error);
   const Table steps(steps_csv(plan, ledger_));
   EXPECT_NEAR(steps.number("energy_kept_up_to_fs", {{"method", "newton"}}) / kept.figure, 1, 1e-3);
+}
+
+// Without gains an error grows as the square of the time.
+TEST(Trial, SaysThatAnErrorIsNotAtRest) {
+  const Scene scene = read_scene(find_scene("freely_jointed"), {"build.chains=5", "run.dt_fs=2"});
+  const TrialPlan plan{.start = 50, .steps = 400, .rows = 100};
+  const Trial none = try_setting(scene, setting_of("none"), plan),
+              newton = try_setting(scene, setting_of("newton"), plan);
+  EXPECT_GT(none.later_over_earlier, 2);
+  EXPECT_FALSE(none.at_rest());
+  EXPECT_GT(none.error_slope.value, 5 * none.error_slope.error);
+  EXPECT_TRUE(newton.at_rest()) << newton.later_over_earlier << " ± " << newton.error_slope.error;
+}
+
+TEST(Trial, TakesAMethodWithItsSettings) {
+  const Setting one = setting_of("rattle:sweeps=4,warm_start=false");
+  EXPECT_THAT(one.overrides,
+              testing::ElementsAre("method.name=rattle", "method.sweeps=4", "method.warm_start=false"));
+  EXPECT_EQ(settings_of("rattle:sweeps=4", 0.002, false).size(), 1u);
+  EXPECT_GT(settings_of("rattle", 0.002, false).size(), 5u);
+  EXPECT_THAT(error_message([] { method_in_word("rattle:sweps=4"); }),
+              testing::AllOf(testing::StartsWith("rattle:sweps=4: "), testing::HasSubstr("\"sweeps\"")));
+  EXPECT_THAT(error_message([] { method_in_word("rattle:4"); }),
+              testing::HasSubstr("rattle:4: \"4\" is no setting"));
+  EXPECT_THAT(error_message([] { method_in_word("ratle:sweeps=4"); }), testing::HasSubstr("\"rattle\""));
+}
+
+// A drift is uncertain by what the run itself says, and by nothing of the study's own.
+TEST(Trial, HasTheRunsOwnErrorOfTheDrift) {
+  const Scene scene = read_scene(find_scene("freely_jointed"), {"build.chains=5"});
+  const Setting newton = setting_of("newton");
+  Scene same = scene;
+  apply_overrides(same, {"method.name=newton", "run.steps=400", "run.log_every=10"});
+  const Estimate drift = Simulation(same).run({}).drift;
+  const Trial trial = try_setting(scene, newton, {.steps = 400, .rows = 40});
+  ASSERT_GT(drift.error, 0);
+  EXPECT_EQ(trial.drift, drift.value);
+  EXPECT_EQ(trial.drift_error, drift.error);
+  EXPECT_EQ(trial.constraint_drift.value, Simulation(same).run({}).constraint_drift.value);
+  EXPECT_NEAR(trial.drift_high() - trial.drift_low(), 2 * 1.96 * drift.error, 1e-12 * drift.error);
+  const Trial of_few_rows = try_setting(scene, newton, {.steps = 400, .rows = 10});
+  EXPECT_EQ(of_few_rows.drift_low(), of_few_rows.drift);
 }
 
 }  // namespace
