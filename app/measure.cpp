@@ -44,8 +44,8 @@ struct MeasureArguments {
 };
 
 // The names that a measurement may write, with their pictures.
-constexpr std::array kTables = {"equilibration", "distances", "displacement", "relaxation",
-                                "viscosity",     "each_run",  "scan",         "zero_step"};
+constexpr std::array kTableFiles = {"equilibration", "distances", "displacement", "relaxation",
+                                    "viscosity",     "each_run",  "scan",         "zero_step"};
 
 void write_files(const MeasureArguments& arguments, const auto& draw) {
   make_folder(*arguments.out);
@@ -82,7 +82,7 @@ void measure(const MeasureArguments& arguments) {
   const std::vector<fs::path> folders(arguments.folders.begin(), arguments.folders.end());
   if (arguments.out) {
     std::vector<fs::path> files = {*arguments.out / "figures.csv"};
-    for (const char* table : kTables) files.push_back(*arguments.out / (std::string(table) + ".csv"));
+    for (const char* table : kTableFiles) files.push_back(*arguments.out / (std::string(table) + ".csv"));
     expect_no_file(files, arguments.overwrite);
   }
   const bool scans = std::ranges::any_of(folders, is_scan);

@@ -28,9 +28,9 @@ struct PlotArguments {
 };
 
 // The tables of studies and measurements that have a picture.
-constexpr std::array kTables = {"work",       "drift",     "order",         "length",    "precision",
-                                "plane",      "steps",     "crosscheck",    "distances", "displacement",
-                                "relaxation", "viscosity", "equilibration", "each_run",  "scan"};
+constexpr std::array kStudyTables = {"work",       "drift",     "order",         "length",    "precision",
+                                     "plane",      "steps",     "crosscheck",    "distances", "displacement",
+                                     "relaxation", "viscosity", "equilibration", "each_run",  "scan"};
 
 // Draws what a folder of a study or a measurement has tables of, in another size or form. Returns false where it has none.
 bool draw_again(const PlotArguments& arguments) {
@@ -42,7 +42,7 @@ bool draw_again(const PlotArguments& arguments) {
       throw InputError(fmt::format("{}: needs runs; these are tables, with one picture each", option));
   StudyFiles files(arguments.out.value_or(folder), arguments.pictures);
   bool any = false;
-  for (const char* name : kTables)
+  for (const char* name : kStudyTables)
     if (const std::string csv = contents_of(folder / (std::string(name) + ".csv")); !csv.empty()) {
       if (!any) make_folder(files.folder());
       any = true;

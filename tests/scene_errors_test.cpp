@@ -135,9 +135,10 @@ TEST(SceneErrors, StrutsRopesAndSprings) {
        {"@", "at_least = [[0, 2, 1]]\nat_most = [[0, 2, 1.5]]", "build.at_most[0]: atoms 0 and 2 stand"},
        {"@", "restraints = [[0, 0, 0, 0, 100]]", "no error"}});
   const SceneText rope = open.with("@", "at_most = [[0, 2, 3]]");
-  expect_said_of(rope.text, {{{"method.name=lincs"},
-                              "method \"lincs\" holds no one-sided bonds (at_least, at_most), and there are 1: "
-                              "expected none, baumgarte, shake, rattle"}});
+  expect_said_of(rope.text,
+                 {{{"method.name=lincs"},
+                   "method \"lincs\" holds no one-sided bonds (at_least, at_most), and there are 1: "
+                   "expected none, baumgarte, shake, rattle"}});
   EXPECT_EQ(read(rope.text).method.name(), "rattle");
   expect_said(rope, {{"steps = 20", "minimise = true", "run.minimise: moves atoms through one-sided bonds"}});
 }
