@@ -1,12 +1,7 @@
 #include "ensembles/bussi.hpp"
 
-#include <fmt/format.h>
-
 #include <cmath>
 
-#include "base/errors.hpp"
-#include "base/shares.hpp"
-#include "constraints/registry.hpp"
 #include "md/observables.hpp"
 #include "md/units.hpp"
 
@@ -32,30 +27,10 @@ double sum_of_squares(int n, RandomOfStep& random) {
   }
 }
 
-System without_one_sided(System sys) {
-  sys.one_sided.clear();
-  return sys;
-}
-
 }  // namespace
 
 VelocityRescaling::VelocityRescaling(const System& sys, const Settings& settings)
-    : settings_(settings),
-      tangent_(without_one_sided(sys)),
-      projector_(make_method(tangent_, default_options("newton"), 1)),  // velocities know no step
-      random_{settings.seed} {}
-
-void VelocityRescaling::find_middle_velocity(const System& sys, double h, const State& s) {
-  middle_.x = s.x;
-  middle_.v.resize(3, sys.atoms());
-  by_atoms(sys.atoms(), [&](int first, int last) {
-    for (int i = first; i < last; ++i) middle_.v.col(i) = s.v.col(i) + 0.5 * h * sys.inv_mass[i] * s.f.col(i);
-  });
-  if (tangent_.bonds.empty()) return;
-  const SolveStats stats = projector_->project_velocities(tangent_, h, middle_);
-  if (!stats.converged())
-    throw SimulationFailure(fmt::format("the temperature: {}", in_words(stats.failure)));
-}
+    : settings_(settings), drift_(sys), random_{settings.seed} {}
 
 double VelocityRescaling::next_scale(double kinetic, double h) {
   const double c = std::exp(-h / settings_.relaxation);
@@ -67,8 +42,7 @@ double VelocityRescaling::next_scale(double kinetic, double h) {
 }
 
 double VelocityRescaling::after_step(const System& sys, double h, State& s) {
-  find_middle_velocity(sys, h, s);
-  const Vectors& u = middle_.v;
+  const Vectors& u = drift_.of(h, s);
   const double kinetic = kinetic_energy(sys, u);
   if (kinetic == 0) return 0;
   const double more = std::sqrt(next_scale(kinetic, h)) - 1;

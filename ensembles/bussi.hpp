@@ -1,11 +1,10 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 
 #include "base/random.hpp"
+#include "ensembles/drift_velocity.hpp"
 #include "md/bath.hpp"
-#include "md/constraint_method.hpp"
 
 namespace taut {
 
@@ -13,9 +12,7 @@ namespace taut {
 // relaxes to its canonical distribution, all velocities scaled alike.
 //     K' = cK + (K̄/n)(1−c) Σ R² + 2 R₁ √(c(1−c) K K̄/n),   c = exp(−h/τ),   K̄ = ½nkT,   n normal numbers R.
 //
-// K is that of the drift ahead, of u = P(v + (h/2)M⁻¹f), P = 1 − M⁻¹Jᵀ A⁻¹ J the projection on the tangent space of
-// the bonds: canonical for harmonic motion at any step, where v is too cold by (ωh)²/4 (docs/ensembles.md). And u is
-// what is scaled,
+// K is that of the velocity u of the drift ahead (ensembles/drift_velocity.hpp), and u is what is scaled,
 //     v' = v + (√(K'/K) − 1) u   gives   u' = √(K'/K) u,
 // so that no velocity leaves the tangent, and what a method or springs in place of bonds leave along them is no heat.
 // It acts where the drift begins; beside one that acts in the drift's middle the temperature of harmonic motion is off
@@ -35,13 +32,10 @@ class VelocityRescaling final : public Bath {
   void serialize(Archive& archive) override { archive(random_); }
 
  private:
-  void find_middle_velocity(const System& sys, double h, const State& s);
   double next_scale(double kinetic, double h);  // K'/K
 
   Settings settings_;
-  System tangent_;                               // the atoms with the bonds that turn
-  std::unique_ptr<ConstraintMethod> projector_;  // whose velocities are P's
-  State middle_;                                 // x, and u in the place of v
+  DriftVelocity drift_;
   RandomCounter random_;
 };
 

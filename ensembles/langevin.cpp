@@ -1,13 +1,9 @@
 #include "ensembles/langevin.hpp"
 
-#include <fmt/format.h>
-
 #include <cmath>
 #include <numeric>
 
-#include "base/errors.hpp"
 #include "base/shares.hpp"
-#include "constraints/registry.hpp"
 #include "ensembles/noise.hpp"
 #include "md/diagnosis.hpp"
 #include "md/observables.hpp"
@@ -22,7 +18,6 @@ constexpr int kBlock =
 
 System with_bonds(System sys, bool wanted) {
   if (!wanted) sys.bonds.clear();
-  sys.one_sided.clear();
   return sys;
 }
 
@@ -31,8 +26,7 @@ System with_bonds(System sys, bool wanted) {
 Langevin::Langevin(const System& sys, const Settings& settings, double h)
     : settings_(settings),
       h_(h),
-      tangent_(with_bonds(sys, settings.springs == nullptr)),
-      projector_(make_method(tangent_, default_options("newton"), h)),
+      drift_(with_bonds(sys, settings.springs == nullptr)),
       half_jump_(Vectors::Zero(3, sys.atoms())),
       before_(half_jump_),
       noise_(half_jump_),
@@ -82,16 +76,7 @@ void Langevin::set_friction(double friction) {
 void Langevin::set_temperature(double kelvin) {
   settings_.temperature = kelvin;
   const double c = std::exp(-h_ * settings_.friction);
-  width_ = ((1 - c * c) * kBoltzmann * kelvin * tangent_.inv_mass).cwiseSqrt();
-}
-
-SolveStats Langevin::project(const Vectors& x, Vectors& v) {
-  if (tangent_.bonds.empty()) return {};
-  scratch_.x = x;
-  scratch_.v.swap(v);
-  const SolveStats stats = projector_->project_velocities(tangent_, h_, scratch_);
-  scratch_.v.swap(v);
-  return {.worst_bond = stats.worst_bond, .failure = stats.failure};  // not a solve of the method
+  width_ = ((1 - c * c) * kBoltzmann * kelvin * drift_.tangent().inv_mass).cwiseSqrt();
 }
 
 const Vectors& Langevin::forces_with_springs(const System& sys, const Push& push, const State& s,
@@ -105,9 +90,9 @@ const Vectors& Langevin::forces_with_springs(const System& sys, const Push& push
 // s.v is the velocity of the drift, v_half + a.
 SolveStats Langevin::account_for_turning(const System& sys, const State& s) {
   heat_of_turning_ = 0;
-  if (tangent_.bonds.empty()) return {};
+  if (drift_.tangent().bonds.empty()) return {};
   turned_ = before_;
-  const SolveStats stats = project(s.x, turned_);
+  const SolveStats stats = drift_.project(h_, s.x, turned_);
   in_shares(static_cast<int>(heats_.size()), 1, [&](const Share& share) {
     for (int b = share.begin; b < share.end; ++b) {
       heats_[b] = 0;
@@ -136,27 +121,13 @@ SolveStats Langevin::draw(const System& sys, const Push& push, const State& s) {
       half_jump_.col(i) = 0.5 * ((c - 1) * v + width_[i] * normal);
     }
   });
-  stats += project(s.x, half_jump_);
+  stats += drift_.project(h_, s.x, half_jump_);
   if (settings_.hold_momentum) remove_momentum(sys, half_jump_);
   by_atoms(sys.atoms(), [&](int first, int last) {
     for (int i = first; i < last; ++i)
       noise_.col(i) = sys.mass[i] / push.kick * (before_.col(i) + half_jump_.col(i));
   });
   return stats;
-}
-
-Vectors Langevin::middle_velocity(const System& sys, const State& s) {
-  State middle = s;
-  half_kick(sys, h_, nullptr, middle);
-  return tangent_velocity(middle);
-}
-
-Vectors Langevin::tangent_velocity(const State& s) {
-  Vectors v = s.v;
-  const SolveStats stats = project(s.x, v);
-  if (!stats.converged())
-    throw SimulationFailure(fmt::format("the temperature: {}", in_words(stats.failure)));
-  return v;
 }
 
 }  // namespace taut

@@ -1,11 +1,11 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 
 #include "base/aligned.hpp"
 #include "base/course.hpp"
 #include "base/random.hpp"
+#include "ensembles/drift_velocity.hpp"
 #include "md/integrator.hpp"
 
 namespace taut {
@@ -15,7 +15,7 @@ namespace taut {
 // 2016, doi:10.1098/rspa.2016.0138; the middle scheme: Zhang et al. 2019, doi:10.1021/acs.jpca.9b02771),
 //     kick h/2 · drift h/2 · v ← v + Δ · drift h/2 · kick h/2,
 //     Δ = P (cv + √(1−c²) √(kT/m) R − v),   c = exp(−γh),   R normal numbers,
-// P = 1 − M⁻¹Jᵀ A⁻¹ J the projection on the tangent space of the bonds where the drift begins. There √(kT/m)
+// P the projection on the tangent space of the bonds where the drift begins (ensembles/drift_velocity.hpp). There √(kT/m)
 // PR has the canonical distribution, so Δ leaves it as it is. Both half drifts together are one with the velocity
 // v½ + ½Δ: one position solve a step serves.
 //
@@ -51,33 +51,24 @@ class Langevin final : public Integrator {
 
   const Vectors& half_jump() const { return half_jump_; }  // ½Δ of the step to come [nm/ps]
 
-  // Of the last step: by how much the heat of its jump, Σ m(v½ + ½Δ)·Δ as if all of it had been tangent, is to be
-  // changed since bonds turned [kJ/mol].
-  double heat_of_turning() const { return heat_of_turning_; }
-
   void set_temperature(double kelvin);
   void set_friction(double friction);  // [1/ps]
   void serialize(Archive& archive) override { archive(half_jump_, random_); }
-
-  // The velocity that Δ is about to change, P(v + (h/2)M⁻¹f): canonical for free and for harmonic motion at
-  // any step, where that of the full step is too cold by (ωh)²/4. Temperatures are taken of it.
-  Vectors middle_velocity(const System& sys, const State& s);
-  Vectors tangent_velocity(const State& s);  // Pv
 
  private:
   SolveStats draw(const System& sys, const Push& push, const State& s);
   const Vectors& forces_with_springs(const System& sys, const Push& push, const State& s, SolveStats& stats);
   SolveStats account_for_turning(const System& sys, const State& s);
-  SolveStats project(const Vectors& x, Vectors& v);
 
   Settings settings_;
   double h_;
-  System tangent_;                               // the atoms with the bonds that Δ respects
-  std::unique_ptr<ConstraintMethod> projector_;  // whose velocities are P's
-  State scratch_;                                // x and v as the projector takes them
+  DriftVelocity drift_;                 // of the bonds that Δ respects
+  State scratch_;                       // with the springs' forces
   Vectors half_jump_, before_, noise_;  // ½Δ, ½Δ of the step before [nm/ps]; M(½Δ_old + ½Δ)/kick [kJ/mol/nm]
   Vectors turned_;                      // P'½Δ of the step before [nm/ps]
-  double heat_of_turning_ = 0;          // [kJ/mol]
+  // By how much the heat of the last step's jump, Σ m(v½ + ½Δ)·Δ as if all of it had been tangent, is to be changed
+  // since bonds turned [kJ/mol].
+  double heat_of_turning_ = 0;
   RandomCounter random_;
   Eigen::VectorXd width_;      // √((1 − c²) kT/m) of each atom [nm/ps]
   std::vector<double> heats_;  // of turning, by blocks of atoms [kJ/mol]

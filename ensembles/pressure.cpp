@@ -4,17 +4,9 @@ namespace taut {
 
 Barometer::Barometer(const System& sys, bool springs) : springs_(springs), projector_(sys) {}
 
-Eigen::Matrix3d Barometer::operator()(const System& sys, ForceField& forces, const State& at,
-                                      const Vectors& v, const Eigen::VectorXd& spring_lambda) {
-  now_ = at;
-  now_.v = v;
-  forces.evaluate(sys, now_, besides_);
-  return evaluated(sys, forces, now_, besides_, spring_lambda);
-}
-
-Eigen::Matrix3d Barometer::evaluated(const System& sys, ForceField& forces, const State& at,
-                                     const ForceField::Evaluation& besides,
-                                     const Eigen::VectorXd& spring_lambda) {
+Eigen::Matrix3d Barometer::pressure(const System& sys, ForceField& forces, const State& at,
+                                    const ForceField::Evaluation& besides,
+                                    const Eigen::VectorXd& spring_lambda) {
   const Vectors &x = at.x, &v = at.v;
   const Eigen::VectorXd& lambda = springs_ ? spring_lambda : projector_.multipliers(sys, at);
   Eigen::Matrix3d sum = forces.virial(at, besides) + v * sys.mass.asDiagonal() * v.transpose();

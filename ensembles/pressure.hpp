@@ -17,19 +17,14 @@ class Barometer {
   // With `springs` the bonds are a penalty's: they pull by multipliers of their own.
   explicit Barometer(const System& sys, bool springs = false);
 
-  // The tensor, of a state's positions and velocities v [bar]. `spring_lambda`: only with springs.
-  Eigen::Matrix3d operator()(const System& sys, ForceField& forces, const State& at, const Vectors& v,
-                             const Eigen::VectorXd& spring_lambda);
-  // The same where evaluating the forces gave `besides`: `at` has those velocities, and the forces but for
-  // constraints'.
-  Eigen::Matrix3d evaluated(const System& sys, ForceField& forces, const State& at,
-                            const ForceField::Evaluation& besides, const Eigen::VectorXd& spring_lambda);
+  // The tensor [bar] of a state whose forces are all but the constraints'; evaluating them gave `besides`.
+  // `spring_lambda`: only with springs.
+  Eigen::Matrix3d pressure(const System& sys, ForceField& forces, const State& at,
+                           const ForceField::Evaluation& besides, const Eigen::VectorXd& spring_lambda);
 
  private:
   bool springs_;
   Projector projector_;
-  State now_;
-  ForceField::Evaluation besides_;
 };
 
 }  // namespace taut

@@ -99,6 +99,7 @@ struct HeldDynamics::Parts {
   int threads;
   double friction;
   Langevin langevin;
+  DriftVelocity drift;
   VelocityVerlet verlet;
   std::unique_ptr<ConstraintMethod> method;
   State s;
@@ -111,6 +112,7 @@ struct HeldDynamics::Parts {
         threads(use_threads),
         friction(settings.friction),
         langevin(sys, {.temperature = settings.temperature, .friction = friction, .seed = settings.seed}, h),
+        drift(sys),
         method(make_method(sys, options, h)) {
     s.x = s.v = s.f = Vectors::Zero(3, sys.atoms());
   }
@@ -154,8 +156,7 @@ void HeldDynamics::step(double t, Engine& engine) {
 double HeldDynamics::kinetic_energy() {
   Parts& p = *parts_;
   const ThreadScope threads(p.threads);
-  if (p.friction > 0) return taut::kinetic_energy(p.sys, p.langevin.middle_velocity(p.sys, p.s));
-  return taut::kinetic_energy(p.sys, p.langevin.tangent_velocity(p.s));
+  return taut::kinetic_energy(p.sys, p.drift.of(p.friction > 0 ? p.h : 0, p.s));
 }
 
 void HeldDynamics::set_bath(double temperature, double friction) {

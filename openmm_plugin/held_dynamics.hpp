@@ -79,7 +79,7 @@ class HeldDynamics {
   void step(double t, Engine& engine);
 
   // Of the motion in the tangent space of the bonds [kJ/mol]: at full steps, and with a thermostat in the
-  // middle of its jump, where it is canonical whatever the step (middle_velocity in ensembles/langevin.hpp).
+  // middle of its jump, where it is canonical whatever the step (ensembles/drift_velocity.hpp).
   double kinetic_energy();
   void set_bath(double temperature, double friction);
 

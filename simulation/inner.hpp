@@ -6,6 +6,7 @@
 
 #include "constraints/projection.hpp"
 #include "ensembles/barostat.hpp"
+#include "ensembles/drift_velocity.hpp"
 #include "ensembles/ensemble.hpp"
 #include "ensembles/langevin.hpp"
 #include "ensembles/pressure.hpp"
@@ -43,6 +44,7 @@ struct Simulation::Inner {
   Ensemble ensemble;
   std::unique_ptr<Integrator> integrator = std::make_unique<VelocityVerlet>();
   Projector projector;
+  DriftVelocity drift;
   std::optional<Barometer> barometer;  // in a box
   struct Note {
     std::string numbers;             // what serialize_numbers() kept

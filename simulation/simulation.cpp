@@ -75,7 +75,8 @@ void refuse_unreachable_tolerance(const System& sys, const Vectors& x, double to
 Simulation::Inner::Inner(Scene& scene)
     : metric(add_metric_correction(scene)),
       forces(ForceField(scene.system, scene.start.box, scene.terms)),
-      projector(scene.system) {}
+      projector(scene.system),
+      drift(scene.system) {}
 
 Simulation::~Simulation() = default;
 
@@ -181,12 +182,18 @@ void Simulation::note_start(const Listen& listen) {
   if (kinetic_removed > kNoise && !scene_.velocities_drawn)  // else along the bonds, as it has to be
     what.push_back(fmt::format("{:.3g} % of the kinetic energy taken out", 100 * kinetic_removed));
   if (!what.empty()) scene_.notes.push_back(fmt::format("brought to the bonds: {}", fmt::join(what, ", ")));
-  if (std::string fast = unresolved_motion(scene_, state_.x, has_springs()); !fast.empty())
-    scene_.notes.push_back(std::move(fast));
+  note_unresolved_motion();
   if (std::string linked = linked_rings_message(full_, scene_.terms, state_, listen); !linked.empty())
     scene_.notes.push_back(std::move(linked));
   for (std::string& note : contradicted_lengths(full_, redundancy_.redundant, state_.x))
     scene_.notes.push_back(std::move(note));
+}
+
+// Of the step that there is.
+void Simulation::note_unresolved_motion() {
+  if (!unresolved_.empty()) std::erase(scene_.notes, unresolved_);
+  unresolved_ = unresolved_motion(scene_, state_.x, has_springs());
+  if (!unresolved_.empty()) scene_.notes.push_back(unresolved_);
 }
 
 void Simulation::make_thermostat() {
@@ -287,20 +294,19 @@ Vectors Simulation::velocity() const {
   return has_springs() ? state_.v : without_stretching(state_.v);
 }
 
-Vectors Simulation::middle_velocity() const {
-  State middle = state_;
-  half_kick(scene_.system, scene_.run.h(), nullptr, middle);
-  return middle.v;
+Vectors Simulation::kicked_velocity() const {
+  Vectors v;
+  find_kicked_velocity(scene_.system, scene_.run.h(), state_, v);
+  return v;
 }
 
 Vectors Simulation::thermal_velocity() const {
   const ThreadScope own(threads_);
-  Vectors v = middle_velocity();
-  if (!(has_springs() && inner_->langevin())) inner_->projector.velocities(scene_.system, state_.x, v);
-  return v;
+  if (has_springs() && inner_->langevin()) return kicked_velocity();
+  return inner_->drift.of(scene_.run.h(), state_);
 }
 
-Record Simulation::record() const {
+Record Simulation::record(const Vectors& thermal) const {
   const ThreadScope own(threads_);
   Record r;
   r.step = progress_.step;
@@ -308,20 +314,20 @@ Record Simulation::record() const {
   r.potential = inner_->forces.field.potential(state_, inner_->forces.besides) +
                 method_->spring_energy(scene_.system, state_.x);
   r.kinetic = kinetic_energy(scene_.system, velocity());
-  r.temperature = temperature(kinetic_energy(scene_.system, thermal_velocity()), dof_.total());
+  r.temperature = temperature(kinetic_energy(scene_.system, thermal), dof_.total());
   r.full_step_temperature = temperature(r.kinetic, dof_.total());
   r.bonds = bond_errors(scene_.system, state_.x);
   return r;
 }
 
-std::optional<Eigen::Matrix3d> Simulation::pressure_tensor() const {
+std::optional<Eigen::Matrix3d> Simulation::pressure_tensor(const Vectors& thermal) const {
   if (!inner_->barometer) return {};
   const ThreadScope own(threads_);
-  const bool springs_move = has_springs() && !inner_->langevin();  // and the pressure has their part in it
-  const State now{state_.x, springs_move ? middle_velocity() : thermal_velocity(), state_.F, state_.t,
-                  state_.box};
-  return inner_->barometer->evaluated(scene_.system, inner_->forces.field, now, inner_->forces.besides,
-                                      method_->lambda());
+  const State now{state_.x,
+                  has_springs() ? kicked_velocity() : thermal,  // in which springs' motion has its part
+                  state_.F, state_.t, state_.box};
+  return inner_->barometer->pressure(scene_.system, inner_->forces.field, now, inner_->forces.besides,
+                                     method_->lambda());
 }
 
 double Simulation::constraint_work() const {

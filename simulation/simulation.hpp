@@ -171,10 +171,14 @@ class Simulation {
   Eigen::VectorXd bond_tensions() const;
   std::vector<std::pair<std::string, double>> energies() const;  // of the forces, by term [kJ/mol]
 
-  Record record() const;       // of the state as it is now: energies, temperature, errors of bonds
-  Record full_record() const;  // with all of a row but what belongs to a run: drift, iterations, speed
-  std::optional<Eigen::Matrix3d> pressure_tensor() const;  // in a box [bar]
-  double constraint_work() const;                          // as a row of the log has it [kJ/mol]
+  // Of the state as it is now: energies, temperature, errors of bonds.
+  Record record() const { return record(thermal_velocity()); }
+  // With all of a row but what belongs to a run: drift, iterations, speed.
+  Record full_record() const { return full_record(thermal_velocity()); }
+  std::optional<Eigen::Matrix3d> pressure_tensor() const {
+    return pressure_tensor(thermal_velocity());
+  }                                // in a box [bar]
+  double constraint_work() const;  // as a row of the log has it [kJ/mol]
   // That of full steps [nm/ps], without what shake leaves of it along the bonds. The energy is taken of it: with it
   // velocity Verlet keeps the energy to h², and forces' work and heat add up to it exactly (md/account.hpp).
   Vectors velocity() const;
@@ -234,6 +238,7 @@ class Simulation {
   void bring_to_the_bonds(const MinimiseGoal& goal, const OnMove& on_move = {});
   void begin_means();
   void note_start(const Listen& listen);
+  void note_unresolved_motion();
   std::uint64_t seed_here() const;
   void make_thermostat();
   void make_barostat();
@@ -241,7 +246,11 @@ class Simulation {
   SolveStats take_step();
   bool has_springs() const { return method_->holds() == ConstraintMethod::Holds::kSprings; }
   Vectors without_stretching(Vectors v) const;
-  Vectors middle_velocity() const;  // v + (h/2)M⁻¹f
+  Vectors kicked_velocity() const;  // v + (h/2)M⁻¹f
+  // The same of a row, whose velocity is found once.
+  Record record(const Vectors& thermal) const;
+  Record full_record(const Vectors& thermal) const;
+  std::optional<Eigen::Matrix3d> pressure_tensor(const Vectors& thermal) const;
   class Stopwatch;
   void size_sums();
   struct LogSums {  // over the rows of the log
@@ -280,7 +289,7 @@ class Simulation {
   double unaccounted() const;
   // What a row here weighs in means in time.
   long steps_since_row() const;
-  Record row(const SolveStats& since, const Stopwatch& watch, long steps);
+  Record row(const Vectors& thermal, const SolveStats& since, const Stopwatch& watch, long steps);
   Summary summary(const Record& end, double seconds, const PartMeter& meter, long steps) const;
   void expect_numbers() const;  // throws StepFailure where one is none
   void keep_snapshot();
@@ -312,8 +321,9 @@ class Simulation {
   RunProgress progress_;
   LogSums sums_;
   std::optional<Temperatures> temperatures_;
-  std::string ewald_doubt_;              // what is wrong with the parameters of Ewald's sum, if anything is
-  std::string snapshot_;                 // what serialize() kept
+  std::string unresolved_;   // the note about a spring that the step does not resolve, if there is one
+  std::string ewald_doubt_;  // what is wrong with the parameters of Ewald's sum, if anything is
+  std::string snapshot_;     // what serialize() kept
   std::optional<Diagnosis> taken_back_;  // why the last step was
   bool stop_ = false;
   bool measures_parts_;

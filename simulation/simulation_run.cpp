@@ -12,6 +12,7 @@
 #include "md/units.hpp"
 #include "simulation/doubts.hpp"
 #include "simulation/inner.hpp"
+#include "simulation/redundant_bonds.hpp"
 
 namespace taut {
 namespace {
@@ -91,9 +92,9 @@ long Simulation::steps_since_row() const {
   return std::clamp(scene_.run.steps - progress_.step, 1L, scene_.run.log_every);
 }
 
-Record Simulation::full_record() const {
+Record Simulation::full_record(const Vectors& thermal) const {
   const ThreadScope own(threads_);
-  Record r = record();
+  Record r = record(thermal);
   if (scene_.run.thermostatted() || scene_.run.remove_momentum_every > 0)
     r.heat = inner_->integrator->account.heat - heat_at_start_;
   r.walls = inner_->forces.besides.wall_pushes;
@@ -109,7 +110,7 @@ Record Simulation::full_record() const {
     if (scene_.terms.steered_in_time()) r.steering_force = inner_->forces.besides.steering.force;
   }
   r.constraint_work = unaccounted(r.kinetic) - unaccounted_at_start_;
-  if (const auto tensor = pressure_tensor()) {
+  if (const auto tensor = pressure_tensor(thermal)) {
     r.pressure_tensor = *tensor;
     r.pressure = tensor->trace() / 3;
     r.volume = state_.box.volume();
@@ -119,8 +120,8 @@ Record Simulation::full_record() const {
 }
 
 // The row of the log for the state as it is.
-Record Simulation::row(const SolveStats& since, const Stopwatch& watch, long steps) {
-  Record r = full_record();
+Record Simulation::row(const Vectors& thermal, const SolveStats& since, const Stopwatch& watch, long steps) {
+  Record r = full_record(thermal);
   RunningSlope energy = sums_.energy;
   energy.add(r.t, r.but_for_heat(), steps_since_row());
   r.drift = inner_->ensemble.barostat ? kUnknown : energy.value() * per_ns_and_dof();
@@ -155,13 +156,13 @@ Summary Simulation::run(const std::function<void(const Record&)>& on_record,
   const auto observe = [&](const SolveStats& since) {
     const auto pause = Clock::now();
     in_part(StepPart::kLog, [&] {
-      last = row(since, watch, progress_.step - first);
+      const Vectors thermal = thermal_velocity();
+      last = row(thermal, since, watch, progress_.step - first);
       in_step = false;
-      temperatures_->see(scene_.system, state_.x, thermal_velocity(), steps_since_row());
+      temperatures_->see(scene_.system, state_.x, thermal, steps_since_row());
       const bool as_drawn =
           sums_.rows == 0 && last.step == 0 && (scene_.velocities_drawn || state_.v.isZero(0));
-      if (sums_.rows == 0)
-        temperatures_->set_first(scene_.system, state_.x, as_drawn ? velocity() : thermal_velocity());
+      if (sums_.rows == 0) temperatures_->set_first(scene_.system, state_.x, as_drawn ? velocity() : thermal);
       sums_.add(last, since.max_residual, steps_since_row());
       if (as_drawn) sums_.first_temperature = last.full_step_temperature;
     });
@@ -204,7 +205,7 @@ Summary Simulation::run(const std::function<void(const Record&)>& on_record,
   if (ended && sums_.last_row != progress_.step)
     observe(progress_.since);  // a row more, after what a checkpoint keeps
   else
-    last = row(progress_.since, watch, progress_.step - first);
+    last = row(thermal_velocity(), progress_.since, watch, progress_.step - first);
   const LogSums sums = sums_;
   if (sums.rows == 0)
     sums_.add(last, progress_.since.max_residual, steps_since_row());  // means have just begun again

@@ -69,6 +69,7 @@ void Simulation::change_step(double dt_fs, const MethodOptions& method) {
     take_back();
     throw;
   }
+  note_unresolved_motion();
   if (inner_->barometer) inner_->barometer.emplace(scene_.system, has_springs());
   make_barostat();
 }

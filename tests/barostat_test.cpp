@@ -14,6 +14,7 @@
 #include "force_checks.hpp"
 #include "md/units.hpp"
 #include "named_scene.hpp"
+#include "pressure_of.hpp"
 #include "simulation/inner.hpp"
 #include "simulation/minimise.hpp"
 #include "systems/molecules/whole_molecules.hpp"
@@ -142,7 +143,7 @@ TEST(CopiesOfAState, AreOfItsOwnTime) {
     gas.scene.run.barostat = "monte-carlo";
     RunForces forces(ForceField(gas.scene.system, gas.s.box, gas.scene.terms));
     Found now{};
-    now.pressure = Barometer(gas.scene.system)(gas.scene.system, forces.field, gas.s, gas.s.v, {}).trace();
+    now.pressure = tests::pressure_of(gas.scene.system, forces.field, gas.s).trace();
     State still = gas.s;
     minimise(gas.scene.system, forces.field, {.force = 1e-3}, still);
     now.distance = (still.x.col(1) - still.x.col(0)).norm();

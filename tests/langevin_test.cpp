@@ -93,7 +93,7 @@ TYPED_TEST(LangevinWith, FreeWatersHaveTheCanonicalKineticEnergies) {
   for (int n = 1; n <= 6000; ++n) {
     ASSERT_TRUE(bath.advance({sys, forces, method}, h, s).converged());
     if (n <= 300 || n % 150 != 0) continue;  // e⁻³ of the last sample is left
-    const Vectors v = bath.middle_velocity(sys, s);
+    const Vectors v = DriftVelocity(sys).of(h, s);
     for (int w = 0; w < 100; ++w) {
       double kinetic = 0;
       for (int a = 3 * w; a < 3 * w + 3; ++a) kinetic += 0.5 * sys.mass[a] * v.col(a).squaredNorm();
@@ -146,7 +146,7 @@ TYPED_TEST(LangevinWith, MiddleVelocityIsTangent) {
   Langevin bath(sys, {.temperature = kWarm, .friction = 5}, h);
   initialize(bath, {sys, forces, method}, h, s);
   for (int n = 0; n < 5; ++n) EXPECT_TRUE(bath.advance({sys, forces, method}, h, s).converged());
-  const Vectors u = bath.middle_velocity(sys, s);
+  const Vectors u = DriftVelocity(sys).of(h, s);
   Vectors want = s.v;
   for (int a = 0; a < sys.atoms(); ++a) want.col(a) += 0.5 * h * sys.inv_mass[a] * s.f.col(a);
   Projector(sys).velocities(sys, s.x, want);
@@ -208,7 +208,7 @@ TEST(LangevinMiddle, IsExactForAHarmonicOscillatorAtALargeStep) {
     if (n < 20) continue;
     x2 += s.x.squaredNorm();
     full2 += s.v.squaredNorm();
-    middle2 += bath.middle_velocity(sys, s).squaredNorm();
+    middle2 += DriftVelocity(sys).of(h, s).squaredNorm();
     samples += 3 * kAtoms;
   }
   EXPECT_NEAR(x2 / samples * k, 1, 0.01);

@@ -1,7 +1,5 @@
 // Virial and pressure, against numerical derivatives of the energy by the box's strain.
 
-#include "ensembles/pressure.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,6 +8,7 @@
 #include "constraints/methods/penalty.hpp"
 #include "force_checks.hpp"
 #include "md/observables.hpp"
+#include "pressure_of.hpp"
 #include "simulation/simulation.hpp"
 #include "systems/scene/scene_file.hpp"
 
@@ -126,7 +125,7 @@ double molecular_pressure(const Scene& scene, const State& state) {
 
 double atomic_pressure(const Scene& scene, const State& state) {
   ForceField forces(scene.system, state.box, scene.terms);
-  return Barometer(scene.system)(scene.system, forces, state, state.v, {}).trace() / 3;
+  return tests::pressure_of(scene.system, forces, state).trace() / 3;
 }
 
 TEST(Pressure, OfRigidWatersIsThatOfTheirCentresAtTheStartAndLater) {
@@ -166,8 +165,8 @@ TEST(Pressure, OfPenaltySpringsIsThatOfHarmonicBonds) {
   Penalty penalty(rigid, {.k = 500}, 1e-3);
   EXPECT_TRUE(penalty.add_forces(rigid, Push::at_start(1e-3), s).converged());
   ForceField none(rigid, box, {}), bond(soft, box, {.bonds = {{0, 1, 0.3, 500}}});
-  const Eigen::Matrix3d pressure = Barometer(rigid, true)(rigid, none, s, s.v, penalty.lambda());
-  EXPECT_LT((pressure - Barometer(soft)(soft, bond, s, s.v, {})).norm(), 1e-9);
+  const Eigen::Matrix3d pressure = tests::pressure_of(rigid, none, s, &penalty.lambda());
+  EXPECT_LT((pressure - tests::pressure_of(soft, bond, s)).norm(), 1e-9);
 }
 
 }  // namespace

@@ -3,13 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/errors.hpp"
 #include "base/random.hpp"
 #include "constraints/projection.hpp"
-#include "ensembles/pressure.hpp"
 #include "md/units.hpp"
+#include "pressure_of.hpp"
 #include "run_of_scene.hpp"
 #include "simulation/doubts.hpp"
 #include "simulation/unresolved_motion.hpp"
@@ -39,7 +40,9 @@ TEST(ThermalVelocity, IsThatOfTheDriftUnderEveryBath) {
     EXPECT_NEAR(r.full_step_temperature, temperature(r.kinetic, dof), 1e-9);
     EXPECT_GT(std::abs(r.temperature - r.full_step_temperature), 1);
     ForceField forces(sys, s.box, simulation.scene().terms);
-    EXPECT_NEAR(*r.pressure, Barometer(sys)(sys, forces, s, u, {}).trace() / 3, 0.01);
+    State drifting = s;
+    drifting.v = u;
+    EXPECT_NEAR(*r.pressure, tests::pressure_of(sys, forces, drifting).trace() / 3, 0.01);
   }
 }
 
@@ -154,6 +157,27 @@ TEST(UnresolvedMotion, IsANoteOfTheRun) {
   for (const std::string& note : simulation.scene().notes)
     noted |= note.find("does not resolve") != note.npos;
   EXPECT_TRUE(noted);
+}
+
+// The note is of the step that there is, however that came to be.
+TEST(UnresolvedMotion, IsNotedOfAStepThatIsTakenLater) {
+  Scene scene = scene_of("trimer", {"build.beads=2", "build.chains=1"});
+  scene.terms.bonds = {{0, 1, 1, 1e5}};
+  scene.system.bonds.clear();
+  Simulation simulation(scene);
+  const auto noted = [&] {
+    return std::ranges::count_if(simulation.scene().notes, [](const std::string& note) {
+      return note.find("does not resolve") != note.npos;
+    });
+  };
+  const double resolved = scene.run.dt_fs;
+  EXPECT_EQ(noted(), 0);
+  for (const double times : {1000.0, 2000.0}) {
+    simulation.change_step(times * resolved, scene.method);
+    EXPECT_EQ(noted(), 1) << times;
+  }
+  simulation.change_step(resolved, scene.method);
+  EXPECT_EQ(noted(), 0);
 }
 
 // White noise, noise with a memory, a random walk, and a walk under noise. With a walk what is printed is the

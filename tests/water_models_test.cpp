@@ -5,11 +5,11 @@
 
 #include <numbers>
 
-#include "ensembles/pressure.hpp"
 #include "kept_state.hpp"
 #include "md/observables.hpp"
 #include "md/units.hpp"
 #include "named_scene.hpp"
+#include "pressure_of.hpp"
 #include "simulation/simulation.hpp"
 #include "systems/scene/start_file.hpp"
 #include "temporary_folder.hpp"
@@ -99,6 +99,45 @@ TEST(WaterModels, SitesFollowTheirParents) {
     EXPECT_LT((later - s.x - h * s.v).norm(), 1e-8);
     EXPECT_GT(v.col(3).norm(), 0.01);
     EXPECT_TRUE(simulation.state().v.col(3).isZero(0));
+  }
+}
+
+// Constraint forces, handed forces and kinetic energy make the pressure of the centres: see pressure_test.
+TEST(WaterModels, PressureIsThatOfTheCentres) {
+  for (const char* model : {"tip4pew", "tip5p"}) {
+    const Scene scene = water_of(model, {"forcefield.switch_nm=0.75", "forcefield.rf_dielectric=1e9"});
+    const int each = scene.system.atoms() / 216;
+    const auto energy = [&](double scale) {
+      const System& sys = scene.system;
+      State s = scene.start;
+      s.box = s.box.scaled(Vec3::Constant(scale));
+      for (int o = 0; o < sys.atoms(); o += each) {
+        const Vec3 centre = s.x.middleCols<3>(o) * sys.mass.segment<3>(o) / sys.mass.segment<3>(o).sum();
+        s.x.middleCols<3>(o).colwise() += (scale - 1) * centre;
+      }
+      ForceField forces(sys, s.box, scene.terms);
+      return forces.evaluate_energy(sys, s);
+    };
+    const double step = 1e-6, slope = (energy(1 + step) - energy(1 - step)) / (2 * step);
+    State at_rest = scene.start;
+    at_rest.v.setZero();
+    ForceField forces(scene.system, scene.start.box, scene.terms);
+    const double pressure = tests::pressure_of(scene.system, forces, at_rest).trace() / 3;
+    EXPECT_NEAR(pressure, -kBarPerUnit * slope / (3 * scene.start.box.volume()), 0.05) << model;
+    EXPECT_GT(std::abs(pressure), 100);
+  }
+}
+
+// Water of a number that no box was equilibrated of: it stays as warm as it is drawn.
+TEST(WaterModels, CutFromABoxDoNotHeat) {
+  for (const char* shape : {"build.box=cube", "build.box=dodecahedron"}) {
+    Simulation simulation(
+        scene_of("water", {shape, "build.molecules=350", "forcefield.cutoff_nm=0.8",
+                           "forcefield.switch_nm=0.7", "run.steps=400", "run.log_every=20"}));
+    double kelvin = 0;
+    int rows = 0;
+    simulation.run([&](const Record& row) { kelvin += row.temperature, ++rows; });
+    EXPECT_NEAR(kelvin / rows, 298.15, 20) << shape;
   }
 }
 

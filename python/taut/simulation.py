@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 import weakref
 from dataclasses import dataclass
 from pathlib import Path
@@ -232,7 +233,8 @@ class Simulation(Readings):
         """Changes settings of thermostat, barostat, method and step, and ``run.log_every``, as ``taut resume --set``.
 
         ``sim.change({"run.thermostat": "langevin", "run.friction_per_ps": 2})``. Means and the account of the energy
-        begin again where the ensemble, the method or the step changes. Raises InputError for a setting that cannot
+        begin again where the ensemble, the method or the step changes. What then speaks against the run, a step that does
+        not resolve a spring, is a warning, and in ``notes``. Raises InputError for a setting that cannot
         change between two runs, or has no effect.
         """
         for key, value in settings.items():
@@ -244,7 +246,11 @@ class Simulation(Readings):
                                  "and assign positions, velocities and box to it")
         if "run.dt_fs" in settings:
             self._reporters.refuse_another_step()
+        known = self.notes
         self._engine._change(inputs.overrides(settings, None, None))
+        for note in self.notes:
+            if note not in known:
+                warnings.warn(note, stacklevel=2)
 
     def set_temperature(self, temperature_k: float) -> None:
         """Changes the temperature of the thermostat [K]. Raises InputError where there is no thermostat."""

@@ -104,6 +104,16 @@ def test_frames_of_one_file_keep_their_step(tmp_path):
             sim.dt_fs = 1
 
 
+def test_a_step_that_does_not_resolve_a_spring_is_warned_of():
+    with taut.Simulation("decane", dt_fs=2) as sim:
+        assert not any("does not resolve" in note for note in sim.notes)
+        with pytest.warns(UserWarning, match="60 fs does not resolve the angle"):
+            sim.dt_fs = 60
+        assert sum("does not resolve" in note for note in sim.notes) == 1
+        sim.dt_fs = 2
+        assert not any("does not resolve" in note for note in sim.notes)
+
+
 def test_the_log_has_the_bath():
     with taut.Simulation("water", set={**SET, **BATH}) as sim:
         sim.run(40, every=10, ramp=(300, 340))
