@@ -162,7 +162,7 @@ TEST(UnresolvedMotion, IsANoteOfTheRun) {
 // The note is of the step that there is, however that came to be.
 TEST(UnresolvedMotion, IsNotedOfAStepThatIsTakenLater) {
   Scene scene = scene_of("trimer", {"build.beads=2", "build.chains=1"});
-  scene.terms.bonds = {{0, 1, 1, 1e5}};
+  scene.terms.bonds = {{0, 1, 1, 1}};
   scene.system.bonds.clear();
   Simulation simulation(scene);
   const auto noted = [&] {
