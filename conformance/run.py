@@ -1,0 +1,115 @@
+#!/usr/bin/env python3
+"""Runs an engine over the cases and judges it: run.py RUNNER[:VARIANT] [PART OF A CASE'S NAME...] [--write].
+
+RUNNER is a file of runners, VARIANT one of its VARIANTS; without it all of them run. --write puts the verdicts into
+results/RUNNER.VARIANT.json.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib.util
+import json
+import math
+import sys
+import time
+from pathlib import Path
+from types import ModuleType
+from typing import Any, Dict, Iterable, List
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE / "runners")]
+
+from judging import judge_case  # noqa: E402  (its folder is no package)
+
+
+def read_cases(parts: Iterable[str] = ()) -> List[Dict[str, Any]]:
+    """The cases whose name, or folder, has one of the parts in it; all without parts."""
+    parts = list(parts)
+    paths = sorted(HERE.glob("cases/*/*.json"))
+    return [
+        json.loads(path.read_text(encoding="utf-8"))
+        for path in paths
+        if not parts or any(part in f"{path.parent.name}/{path.stem}" for part in parts)
+    ]
+
+
+def load_runner(name: str) -> ModuleType:
+    path = HERE / "runners" / f"{name}.py"
+    spec = importlib.util.spec_from_file_location(f"runner_{name}", path)
+    if spec is None or spec.loader is None or not path.exists():
+        sys.exit(f"no runner {name}: there is no {path}")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def rounded(value: Any) -> Any:
+    """Numbers to three digits, so that results differ where the engine does; what JSON has no word for is null."""
+    if isinstance(value, float):
+        return float(f"{value:.3g}") if math.isfinite(value) else None
+    if isinstance(value, dict):
+        return {key: rounded(item) for key, item in value.items()}
+    return value
+
+
+def run_variant(runner: ModuleType, variant: str, cases: List[Dict[str, Any]]) -> List[Dict[str, Any]]:
+    verdicts = []
+    for case in cases:
+        begin = time.perf_counter()
+        made = judge_case(case, lambda varied: runner.run(varied, variant))
+        seconds = time.perf_counter() - begin
+        verdicts += made
+        for one in made:
+            if one["verdict"] != "passed":
+                print(f"  {one['verdict']:11} {one['case']}: {one['what']}{explain(one)}")
+        if seconds > 10:
+            print(f"              {case['name']} took {seconds:.0f} s")
+    return verdicts
+
+
+def explain(verdict: Dict[str, Any]) -> str:
+    said = f", off by {verdict['error']:.3g}" if "error" in verdict else ""
+    if "standard_error" in verdict:
+        said += f" ± {verdict['standard_error']:.2g}"
+    if verdict["tolerance"] is not None and "error" in verdict:
+        said += f", allowed {verdict['tolerance']:.3g}"
+    if "falls_by" in verdict:
+        said += f", falls by {verdict['falls_by']} at half the step"
+    return said + (f": {' '.join(verdict['why'].split())[:160]}" if "why" in verdict else "")
+
+
+def write_results(name: str, variant: str, about: Dict[str, Any], verdicts: List[Dict[str, Any]]) -> None:
+    path = HERE / "results" / f"{name}.{variant}.json"
+    lines = ",\n  ".join(json.dumps(rounded(one), ensure_ascii=False) for one in verdicts)
+    head = json.dumps(about, ensure_ascii=False)
+    path.write_text(f'{{"about": {head},\n "verdicts": [\n  {lines}\n]}}\n', encoding="utf-8")
+
+
+def main() -> int:
+    arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    arguments.add_argument("runner", help="RUNNER or RUNNER:VARIANT")
+    arguments.add_argument("cases", nargs="*", help="parts of names of cases")
+    arguments.add_argument("--write", action="store_true", help="write results/RUNNER.VARIANT.json")
+    given = arguments.parse_args()
+    name, _, variant = given.runner.partition(":")
+    runner = load_runner(name)
+    cases = read_cases(given.cases)
+    if not cases:
+        sys.exit(f"no case has {' or '.join(given.cases)} in its name")
+    failed = 0
+    for one in [variant] if variant else list(runner.VARIANTS):
+        about = runner.describe(one)
+        print(f"{about['engine']} {about['version']}, {one}: {about['settings']}")
+        verdicts = run_variant(runner, one, cases)
+        counts = {word: sum(v["verdict"] == word for v in verdicts)
+                  for word in ("passed", "failed", "refused", "not offered")}
+        print("  " + ", ".join(f"{count} {word}" for word, count in counts.items()))
+        failed += counts["failed"]
+        if given.write:
+            write_results(name, one, {**about, "runner": name, "variant": one}, verdicts)
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
