@@ -120,6 +120,13 @@ def evaluate(of: List[Any], positions: np.ndarray, shift: int) -> float:
     return float(at[0]["xyz".index(of[0])])
 
 
+def velocities_of_masses(case: Case, rows: Rows) -> np.ndarray:
+    """Of the last row; those of virtual sites are left out as 0, since few engines keep any."""
+    last = rows["velocities_nm_per_ps"][-1].copy()
+    last[[site["atom"] for site in case["system"].get("virtual_sites", [])]] = 0
+    return last
+
+
 def mean(case: Case, ask: Dict[str, Any], rows: Rows) -> float:
     atoms = len(case["system"]["masses_u"])
     shifts = range(0, atoms, ask.get("each", atoms))
@@ -129,7 +136,7 @@ def mean(case: Case, ask: Dict[str, Any], rows: Rows) -> float:
 
 OF_ROWS: Dict[str, Callable[[Case, Rows], Any]] = {
     "positions_nm": lambda case, rows: rows["positions_nm"][-1],
-    "velocities_nm_per_ps": lambda case, rows: rows["velocities_nm_per_ps"][-1],
+    "velocities_nm_per_ps": velocities_of_masses,
     "tensions_kj_per_mol_nm": lambda case, rows: rows["tensions_kj_per_mol_nm"][-1],
     "bond_error": bond_error,
     "momentum_u_nm_per_ps": momentum,
@@ -148,6 +155,8 @@ def measure(case: Case, ask: Dict[str, Any], result: Dict[str, Any]) -> np.ndarr
     if what == "pressure_bar":
         statistical = ask["kind"] == "statistical"
         return np.asarray(settle_in(rows)[what].mean() if statistical else rows[what][-1], dtype=float)
+    if what == "mean_tension_kj_per_mol_nm":
+        return np.asarray(settle_in(rows)["tensions_kj_per_mol_nm"].mean())
     if what == "mean":
         return np.asarray(mean(case, ask, rows))
     if what.startswith("temperature_"):

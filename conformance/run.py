@@ -60,16 +60,16 @@ def run_variant(runner: ModuleType, variant: str, cases: List[Dict[str, Any]]) -
         made = judge_case(case, lambda varied: runner.run(varied, variant))
         seconds = time.perf_counter() - begin
         verdicts += made
-        for one in made:
-            if one["verdict"] != "passed":
-                print(f"  {one['verdict']:11} {one['case']}: {one['what']}{explain(one)}")
+        told = {f"{one['verdict']:11} {case['name']}{explain(one)}": one for one in made if one["verdict"] != "passed"}
+        for line in told:  # what all asks of a case say alike is said once
+            print(f"  {line}")
         if seconds > 10:
             print(f"              {case['name']} took {seconds:.0f} s")
     return verdicts
 
 
 def explain(verdict: Dict[str, Any]) -> str:
-    said = f", off by {verdict['error']:.3g}" if "error" in verdict else ""
+    said = f": {verdict['what']} off by {verdict['error']:.3g}" if "error" in verdict else ""
     if "standard_error" in verdict:
         said += f" ± {verdict['standard_error']:.2g}"
     if verdict["tolerance"] is not None and "error" in verdict:

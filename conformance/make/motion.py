@@ -14,7 +14,7 @@ import numpy as np
 
 from mechanisms import MECHANISMS
 from molecules import MOLECULES
-from solve import System, move, up, verlet, with_site_velocities, write
+from solve import System, move, up, verlet, write
 
 GROUND = ("M a = F + Jᵀλ with the bonds twice differentiated, by DOP853 to 1e-13 with projections; solved again "
           "otherwise it differs by {:.0e}")
@@ -25,7 +25,6 @@ def make(name: str, words: str, system: Dict[str, Any], x: Any, v: Any, step: fl
     """A case of motion. `exact` are positions and velocities from elsewhere, with their ground."""
     solver, made_by = System(system), "make/motion.py"
     start = solver.project(np.array(x, dtype=float), np.array(v, dtype=float))
-    v0 = with_site_velocities(solver, start[1])
     if exact is None:
         exact = move(solver, *start, step * steps)
         again = move(solver, *start, step * steps, parts=27, rtol=1e-12)
@@ -49,7 +48,7 @@ def make(name: str, words: str, system: Dict[str, Any], x: Any, v: Any, step: fl
                      "ground": "(J M⁻¹ Jᵀ) λ = −|ṙ|² − J M⁻¹ F at the exact positions and velocities; T = −λ d"})
     print(f"{name:28} {errors[0][0]:.1e} {errors[1][0]:.1e} nm  {errors[0][0] / max(errors[1][0], 1e-30):.2f}")
     return {"name": name, "words": words, "system": system,
-            "start": {"positions_nm": start[0], "velocities_nm_per_ps": v0},
+            "start": {"positions_nm": start[0], "velocities_nm_per_ps": start[1]},
             "run": {"step_ps": step, "steps": steps}, "asks": asks}
 
 

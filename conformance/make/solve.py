@@ -198,11 +198,7 @@ def move(system: System, x: np.ndarray, v: np.ndarray, time: float, parts: int =
         solved = solve_ivp(slope, (0, time / parts), np.concatenate([x.ravel(), v.ravel()]), "DOP853",
                            rtol=rtol, atol=rtol / 10, t_eval=[time / parts])
         x, v = system.project(solved.y[:n, -1].reshape(x.shape), solved.y[n:, -1].reshape(x.shape))
-    return x, with_site_velocities(system, v)
-
-
-def with_site_velocities(system: System, v: np.ndarray) -> np.ndarray:
-    return system.place_sites(v)
+    return x, v
 
 
 def verlet(system: System, x: np.ndarray, v: np.ndarray, h: float, steps: int) -> Tuple[np.ndarray, np.ndarray]:
@@ -224,7 +220,7 @@ def verlet(system: System, x: np.ndarray, v: np.ndarray, h: float, steps: int) -
         x = system.place_sites(x)
         force = system.forces(x)[1]
         v = system.project(x, v + 0.5 * h * force * inv)[1]
-    return x, with_site_velocities(system, v)
+    return x, v
 
 
 def constraint_virial(system: System, x: np.ndarray, v: np.ndarray) -> float:
