@@ -79,27 +79,22 @@ def drift(case: Case, rows: Rows) -> float:
 
 def temperatures(case: Case, rows: Rows) -> Dict[str, float]:
     """2K over k times the degrees of freedom: of the molecules' centres, of ½ L·I⁻¹L, and of the rest."""
-    masses = masses_of(case)
-    energy = {"translation": 0.0, "rotation": 0.0, "internal": 0.0}
-    freedom = dict(energy)
+    masses, settled = masses_of(case), settle_in(rows)
     bonds = [set(bond["atoms"]) for bond in case["system"]["bonds"]]
-    settled = settle_in(rows)
+    energy, freedom = np.zeros(3), np.zeros(3)
     for atoms in case["system"]["molecules"]:
-        m, atoms_held = masses[atoms], sum(bond <= set(atoms) for bond in bonds)
-        for x, v in zip(settled["positions_nm"][:, atoms], settled["velocities_nm_per_ps"][:, atoms]):
-            centre, flow = m @ x / m.sum(), m @ v / m.sum()
-            r, u = x - centre, v - flow
-            inertia = np.einsum("a,a,ij->ij", m, (r**2).sum(1), np.eye(3)) - np.einsum("a,ai,aj->ij", m, r, r)
-            turning = m @ np.cross(r, u)
-            axes = np.linalg.matrix_rank(inertia, tol=1e-9 * np.trace(inertia)) if len(atoms) > 1 else 0
-            rotation = 0.5 * turning @ np.linalg.pinv(inertia, rcond=1e-9) @ turning
-            energy["translation"] += 0.5 * m.sum() * flow @ flow
-            energy["rotation"] += rotation
-            energy["internal"] += 0.5 * m @ (u**2).sum(1) - rotation
-            freedom["translation"] += 3
-            freedom["rotation"] += axes
-            freedom["internal"] += 3 * len(atoms) - atoms_held - 3 - axes
-    return {kind: 2 * energy[kind] / (BOLTZMANN * freedom[kind]) for kind in energy if freedom[kind]}
+        m, x, v = masses[atoms], settled["positions_nm"][:, atoms], settled["velocities_nm_per_ps"][:, atoms]
+        flow = np.einsum("a,rai->ri", m, v) / m.sum()
+        r, u = x - np.einsum("a,rai->ri", m, x)[:, None] / m.sum(), v - flow[:, None]
+        inertia = np.einsum("a,raj,raj,kl->rkl", m, r, r, np.eye(3)) - np.einsum("a,rak,ral->rkl", m, r, r)
+        turning = np.einsum("a,rai->ri", m, np.cross(r, u))
+        spin = np.einsum("rkl,rl->rk", np.linalg.pinv(inertia, rcond=1e-9, hermitian=True), turning)
+        rotation, axes = 0.5 * (turning * spin).sum(), 0 if len(atoms) == 1 else 2 if len(atoms) == 2 else 3
+        energy += [0.5 * m.sum() * (flow**2).sum(), rotation, 0.5 * np.einsum("a,rai,rai->", m, u, u) - rotation]
+        held = sum(bond <= set(atoms) for bond in bonds)
+        freedom += np.array([3, axes, 3 * len(atoms) - held - 3 - axes]) * len(x)
+    names = ("translation", "rotation", "internal")
+    return {name: 2 * k / (BOLTZMANN * n) for name, k, n in zip(names, energy, freedom) if n}
 
 
 def settle_in(rows: Rows) -> Rows:

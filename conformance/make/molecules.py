@@ -203,6 +203,22 @@ def net_through_the_box() -> Motion:
     return made
 
 
+def springs(x: np.ndarray, k: float) -> List[Dict[str, Any]]:
+    return [{"kind": "harmonic_position", "atom": i, "centre_nm": x[i].tolist(), "k_kj_per_mol_nm2": k} for i in range(len(x))]
+
+
+def swinging_rotors() -> Motion:
+    x = np.array([[0.5 * i + 0.1 * k * math.cos(i), 0.1 * k * math.sin(i), 0] for i in range(6) for k in (0, 1)])
+    return free([10, 4] * 6, [(i, i + 1) for i in range(0, 12, 2)], x, "Six rotors on springs.", 24, step=0.004,
+                forces=springs(x, 500))
+
+
+def rigid_angles_chain() -> Motion:
+    made = rigid_angles_alkane()
+    made["system"]["forces"] = springs(np.array(made["x"]) * 1.02, 2000)
+    return {**made, "step": 0.002}
+
+
 MOLECULES = [triatomic_near_180, triatomic_through_180, unequal_triangle, tumbling_water, one_step_of_water, held_water, star, ring,
              tetrahedral_cage, cube_of_edges, cholesterol_diamond, redundant_methane, rigid_angles_alkane, free_chain_of_20,
              chain_with_side_atoms, trimer_with_an_angle, butane, spring_between_rotors, two_waters, pair_across_a_triclinic_box,
