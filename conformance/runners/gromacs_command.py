@@ -1,0 +1,151 @@
+"""GROMACS: LINCS, SHAKE and SETTLE under the integrator md, the leapfrog that its manual recommends, and md-vv.
+
+The commands are `gmx_d` for double precision, and what GMX_NEW names (else `gmx`) for the newest version there is. md's
+velocities are half a step behind: a run starts from that of half a step before, found by a step of GROMACS's own
+backwards, and rows have the mean of the two around them. Gravity and constant forces are pull coordinates.
+"""
+
+from __future__ import annotations
+
+import functools
+import os
+import re
+import subprocess
+import tempfile
+from pathlib import Path
+from typing import Any, Dict, List
+
+import numpy as np
+from gromacs_files import Unsayable, read_trr, roomy, write_coordinates, write_parameters, write_topology
+
+from shared import (EngineStopped, force_function, nearest_images, not_offered, row_steps, start_velocities, unwrap,
+                    wants_refusal)
+
+LINCS, TIGHT = {"algorithm": "lincs", "order": 4, "iter": 1}, {"algorithm": "lincs", "order": 8, "iter": 8}
+VARIANTS: Dict[str, Dict[str, Any]] = {
+    "lincs": {**LINCS, "program": "gmx_d"},
+    "lincs_order_8_iter_8": {**TIGHT, "program": "gmx_d"},
+    "lincs_order_8_iter_8_md_vv": {**TIGHT, "program": "gmx_d", "integrator": "md-vv"},
+    "shake": {"algorithm": "shake", "program": "gmx_d"},
+    "shake_md_vv": {"algorithm": "shake", "program": "gmx_d", "integrator": "md-vv"},
+    "settle": {"algorithm": "settle", "program": "gmx_d"},
+    "newest_lincs_mixed": {**LINCS, "program": "new"},
+    "newest_lincs_order_8_iter_8_mixed": {**TIGHT, "program": "new"},
+    "newest_settle_mixed": {"algorithm": "settle", "program": "new"},
+}
+Case = Dict[str, Any]
+
+
+def command(variant: str) -> str:
+    program = VARIANTS[variant]["program"]
+    return os.environ.get("GMX_NEW", "gmx") if program == "new" else program
+
+
+@functools.lru_cache(maxsize=None)
+def version_of(program: str) -> str:
+    said = subprocess.run([program, "--version"], capture_output=True, text=True, check=False).stdout
+    found = re.search(r"GROMACS version:\s*(\S+)", said)
+    return found.group(1).split("-Debian")[0] if found else "unknown"
+
+
+def describe(variant: str) -> Dict[str, str]:
+    of = VARIANTS[variant]
+    held = {"lincs": f"LINCS, lincs-order {of.get('order')}, lincs-iter {of.get('iter')}",
+            "shake": "SHAKE, shake-tol of the case", "settle": "SETTLE"}[of["algorithm"]]
+    precision = "mixed" if of["program"] == "new" else "double"
+    return {"engine": "GROMACS", "version": version_of(command(variant)),
+            "settings": f"{held}, integrator {of.get('integrator', 'md')} (sd with a thermostat), {precision} precision"}
+
+
+def constraint_lines(case: Case, of: Dict[str, Any]) -> List[str]:
+    if of["algorithm"] == "shake":
+        return ["constraint-algorithm = shake", f"shake-tol = {case['run'].get('bond_tolerance', 1e-10):g}"]
+    return ["constraint-algorithm = lincs", f"lincs-order = {of.get('order', 4)}", f"lincs-iter = {of.get('iter', 1)}"]
+
+
+def call(program: str, arguments: List[str], folder: Path, typed: str = "") -> str:
+    """The error that GROMACS says, empty if it has none."""
+    quiet = {**os.environ, "GMX_MAXBACKUP": "-1", "OMP_NUM_THREADS": "1"}
+    done = subprocess.run([program, "-quiet", *arguments], cwd=folder, capture_output=True, text=True, check=False,
+                          env=quiet, input=typed)
+    if done.returncode == 0:
+        return ""
+    said = re.search(r"(?:Fatal error|Error in user input|Inconsistency[^:]*|ERROR \d[^:]*):\s*\n(.*?)\n\n", done.stderr, re.S)
+    return " ".join((said.group(1) if said else done.stderr[-400:]).split())
+
+
+class Gromacs:
+    """Runs of one case in one folder."""
+
+    def __init__(self, case: Case, of: Dict[str, Any], program: str, folder: Path) -> None:
+        self.case, self.of, self.program, self.folder = case, of, program, folder
+        write_topology(case, folder, of["algorithm"] == "settle")
+        reference = np.array(case["start"]["positions_nm"], dtype=float)
+        for force in case["system"]["forces"]:
+            if force["kind"] == "harmonic_position":
+                reference[force["atom"]] = force["centre_nm"] + case["shift"]
+        write_coordinates(case, folder / "reference.gro", reference, np.zeros_like(reference))
+
+    def move(self, v: np.ndarray, steps: int, integrator: str) -> Any:
+        """Frames by step from the case's start with these velocities; or the refusal, before the run, as a string."""
+        write_parameters(self.case, self.folder, steps, constraint_lines(self.case, self.of), integrator)
+        write_coordinates(self.case, self.folder / "start.gro", np.array(self.case["start"]["positions_nm"], float), v)
+        said = call(self.program, ["grompp", "-f", "run.mdp", "-p", "topol.top", "-c", "start.gro", "-r", "reference.gro",
+                                   "-n", "index.ndx", "-o", "run.tpr", "-maxwarn", "20"], self.folder)
+        if said:
+            return said
+        said = call(self.program, ["mdrun", "-s", "run.tpr", "-deffnm", "run", "-ntmpi", "1", "-ntomp", "1", "-nb", "cpu",
+                                   "-pin", "off"], self.folder)
+        if said:
+            raise EngineStopped(said)
+        return read_trr(self.folder / "run.trr")
+
+    def energies(self, steps: int) -> Dict[str, np.ndarray]:
+        call(self.program, ["energy", "-f", "run.edr", "-o", "e.xvg", "-dp", "-xvg", "none"], self.folder,
+             "Potential\nKinetic-En.\nPressure\n\n")
+        rows = np.loadtxt(self.folder / "e.xvg", ndmin=2)[:steps + 1]
+        return {"potential_kj_per_mol": rows[:, 1], "kinetic_kj_per_mol": rows[:, 2], "pressure_bar": rows[:, 3]}
+
+    def degrees_of_freedom(self) -> int:
+        said = subprocess.run([self.program, "-quiet", "dump", "-s", "run.tpr"], cwd=self.folder, capture_output=True,
+                              text=True, check=False).stdout
+        return round(float(re.search(r"nrdf:\s*(\S+)", said).group(1)))
+
+
+def run(case: Case, variant: str) -> Case:
+    of = VARIANTS[variant]
+    if not nearest_images(case):
+        return not_offered("a bond goes to the nearest image, and this one does not")
+    with tempfile.TemporaryDirectory() as name:
+        try:
+            return run_in(case, Gromacs(roomy(case), of, command(variant), Path(name)), of)
+        except Unsayable as why:
+            return not_offered(str(why))
+        except EngineStopped as stopped:
+            if wants_refusal(case):
+                return {"refused": str(stopped)}
+            raise
+
+
+def run_in(case: Case, engine: Gromacs, of: Dict[str, Any]) -> Case:
+    x, v, h, steps = (np.array(case["start"]["positions_nm"], float), start_velocities(case), case["run"]["step_ps"],
+                      case["run"]["steps"])
+    integrator = "sd" if "langevin" in case["run"] else of.get("integrator", "md")
+    if integrator == "md" and steps:  # half a step back: a step of the motion turned round
+        masses = np.array(case["system"]["masses_u"], float)[:, None]
+        turn = -v - 0.5 * h * np.divide(force_function(case)(x)[1], masses, where=masses > 0, out=np.zeros_like(v))
+        back = engine.move(turn, 1, "md")
+        if isinstance(back, str):
+            return {"refused": back}
+        v = -back[1][1]
+    frames = engine.move(v, steps + 1, integrator)
+    if isinstance(frames, str):
+        return {"refused": frames}
+    rows = row_steps(case)
+    places = unwrap(engine.case, [frames[s][0] for s in range(steps + 1)]) - engine.case["shift"]
+    speeds = [frames[s][1] if integrator != "md" else 0.5 * (frames[s][1] + frames[s + 1][1]) for s in rows]
+    told = {key: values[rows] for key, values in engine.energies(steps).items()}
+    if "box_nm" not in case["system"]:
+        del told["pressure_bar"]
+    return {"rows": {"step": rows, "positions_nm": places[rows], "velocities_nm_per_ps": speeds, **told},
+            "degrees_of_freedom": engine.degrees_of_freedom()}
