@@ -96,15 +96,20 @@ class Gromacs:
             return said
         said = call(self.program, ["mdrun", "-s", "run.tpr", "-deffnm", "run", "-ntmpi", "1", "-ntomp", "1", "-nb", "cpu",
                                    "-pin", "off"], self.folder)
+        if said and not (self.folder / "run.trr").exists():
+            return said
         if said:
             raise EngineStopped(said)
         return read_trr(self.folder / "run.trr")
 
     def energies(self, steps: int) -> Dict[str, np.ndarray]:
+        pulled = "pull = yes" in (self.folder / "run.mdp").read_text()
         call(self.program, ["energy", "-f", "run.edr", "-o", "e.xvg", "-dp", "-xvg", "none"], self.folder,
-             "Potential\nKinetic-En.\nPressure\n\n")
-        rows = np.loadtxt(self.folder / "e.xvg", ndmin=2)[:steps + 1]
-        return {"potential_kj_per_mol": rows[:, 1], "kinetic_kj_per_mol": rows[:, 2], "pressure_bar": rows[:, 3]}
+             "Potential\nKinetic-En.\nPressure\n" + "COM-Pull-En.\n" * pulled + "\n")
+        *pull, potential, kinetic, pressure = np.loadtxt(self.folder / "e.xvg", ndmin=2)[:steps + 1, 1:].T
+        # the pull's energy jumps where an atom leaves the box: that of the formula is taken
+        return {"potential_kj_per_mol": potential - (pull[0] if pull else 0), "kinetic_kj_per_mol": kinetic,
+                "pressure_bar": pressure}
 
     def degrees_of_freedom(self) -> int:
         said = subprocess.run([self.program, "-quiet", "dump", "-s", "run.tpr"], cwd=self.folder, capture_output=True,
@@ -145,6 +150,9 @@ def run_in(case: Case, engine: Gromacs, of: Dict[str, Any]) -> Case:
     places = unwrap(engine.case, [frames[s][0] for s in range(steps + 1)]) - engine.case["shift"]
     speeds = [frames[s][1] if integrator != "md" else 0.5 * (frames[s][1] + frames[s + 1][1]) for s in rows]
     told = {key: values[rows] for key, values in engine.energies(steps).items()}
+    uniform = {"system": {**case["system"], "forces": [
+        force for force in case["system"]["forces"] if force["kind"] in ("gravity", "constant_force")]}}
+    told["potential_kj_per_mol"] = told["potential_kj_per_mol"] + [force_function(uniform)(places[s])[0] for s in rows]
     if "box_nm" not in case["system"]:
         del told["pressure_bar"]
     return {"rows": {"step": rows, "positions_nm": places[rows], "velocities_nm_per_ps": speeds, **told},

@@ -9,7 +9,7 @@ from typing import Any, Dict, List
 
 import numpy as np
 
-from shared import Case, clusters, moving
+from shared import Case, clusters, moving, whole
 
 
 
@@ -155,6 +155,10 @@ def write_parameters(case: Case, folder: Path, steps: int, held: List[str], inte
             dielectric = force.get("solvent_dielectric", 78.3) if "cutoff_nm" in force else 1.0
     lines += ["coulombtype = Reaction-Field", "epsilon-rf = %.17g" % dielectric,
               *[f"{key} = {cut:.17g}" for key in ("rlist", "rcoulomb", "rvdw")]]
+    try:
+        whole(case)
+    except ValueError:
+        lines.append("periodic-molecules = yes")
     if "langevin" in run:
         bath = run["langevin"]
         lines += ["tc-grps = System", f"ref-t = {bath['temperature_k']:.17g}", f"tau-t = {1 / bath['friction_per_ps']:.17g}",
