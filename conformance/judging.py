@@ -132,8 +132,9 @@ def judge_case(case: Case, run: Callable[[Case], Result]) -> List[Verdict]:
             made = JUDGES[ask["kind"]](case, ask, runs)
         except NoValue as none:
             made = {"verdict": none.verdict, "why": str(none)}
-        except Exception as error:  # the runner's own: shown, and the other cases go on
-            made = {"verdict": "failed", "why": f"the runner: {type(error).__name__}: {error}"}
+        except Exception as error:  # shown, and the other cases go on
+            kind = type(error).__name__  # EngineStopped: the engine broke off in the run; else the runner's own fault
+            made = {"verdict": "failed", "why": f"{'' if kind == 'EngineStopped' else f'the runner: {kind}: '}{error}"}
         verdicts.append({"case": case["name"], "what": ask["what"], "kind": ask["kind"],
                          "tolerance": ask.get("tolerance"), **made})
     return verdicts
