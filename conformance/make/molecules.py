@@ -18,8 +18,10 @@ def kicks(seed: int, x: np.ndarray, speed: float = 1.0) -> np.ndarray:
 def free(masses: List[float], pairs: Any, x: Any, words: str, seed: int, step: float = 0.001, steps: int = 200,
          speed: float = 1.0, forces: Any = (), **more: Any) -> Motion:
     x = np.array(x, dtype=float)
-    return {"words": words, "system": {**system(masses, list(pairs), x, *forces), **more}, "x": x,
-            "v": kicks(seed, x, speed), "step": step, "steps": steps}
+    return {
+        "words": words, "system": {**system(masses, list(pairs), x, *forces), **more}, "x": x,
+        "v": kicks(seed, x, speed), "step": step, "steps": steps
+    }
 
 
 def all_pairs(n: int) -> Any:
@@ -56,15 +58,15 @@ def tumbling_water() -> Motion:
 
 
 def one_step_of_water() -> Motion:
-    return free(WATER_MASSES, all_pairs(3), WATER, "One step of 2 fs of a rigid water that turns fast.", 4, step=0.002, steps=1,
-                speed=3)
+    return free(WATER_MASSES, all_pairs(3), WATER, "One step of 2 fs of a rigid water that turns fast.", 4, step=0.002,
+                steps=1, speed=3)
 
 
 def held_water() -> Motion:
     spring = {"kind": "harmonic_position", "atom": 0, "centre_nm": [0.01, 0.02, 0], "k_kj_per_mol_nm2": 2000}
     pull = {"kind": "constant_force", "atom": 1, "force_kj_per_mol_nm": [0, 0, 40]}
-    return free(WATER_MASSES, all_pairs(3), WATER, "A rigid water whose oxygen a spring holds and whose hydrogen is pulled.", 5,
-                forces=[spring, pull])
+    return free(WATER_MASSES, all_pairs(3), WATER,
+                "A rigid water whose oxygen a spring holds and whose hydrogen is pulled.", 5, forces=[spring, pull])
 
 
 def star() -> Motion:
@@ -75,7 +77,7 @@ def star() -> Motion:
 
 def ring() -> Motion:
     a = np.arange(6) * math.pi / 3
-    x = np.stack([0.15 * np.cos(a), 0.15 * np.sin(a), 0.02 * (-1.0) ** np.arange(6)], axis=1)
+    x = np.stack([0.15 * np.cos(a), 0.15 * np.sin(a), 0.02 * (-1.0)**np.arange(6)], axis=1)
     return free([12, 13, 14, 15, 16, 17], [(i, (i + 1) % 6) for i in range(6)], x, "A ring of six hinged atoms.", 7)
 
 
@@ -92,19 +94,22 @@ def cube_of_edges() -> Motion:
 
 def cholesterol_diamond() -> Motion:
     x = [[0, 0, 0], [0.49, 0.1, 0], [0.3, 0.45, 0], [0.75, 0.5, 0.1]]
-    return free([50, 50, 50, 50], [(0, 1), (0, 2), (1, 2), (1, 3), (2, 3)], x,
-                "The frame of Martini's cholesterol (doi:10.1021/ja507832e): two triangles hinged on an edge. LINCS's series does "
-                "not converge on such.", 10, step=0.005, speed=0.3)
+    return free(
+        [50, 50, 50, 50], [(0, 1), (0, 2), (1, 2), (1, 3), (2, 3)], x,
+        "The frame of Martini's cholesterol (doi:10.1063/1.4937783): two triangles hinged on an edge. LINCS's series "
+        "does not converge on such.", 10, step=0.005, speed=0.3)
 
 
 def redundant_methane() -> Motion:
     x = 0.0629 * np.array([[0, 0, 0], [1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
-    return free([12, 1, 1, 1, 1], all_pairs(5), x, "Methane with all ten distances held, one more than a rigid body has.", 11)
+    return free([12, 1, 1, 1, 1], all_pairs(5), x,
+                "Methane with all ten distances held, one more than a rigid body has.", 11)
 
 
 def rigid_angles_alkane() -> Motion:
     x = np.array([[0.125 * i, 0.088 * (i % 2), 0.03 * (i > 3)] for i in range(6)])
-    return free([15, 14, 14, 14, 14, 15], row(5) + [(i, i + 2) for i in range(4)], x,
+    return free([15, 14, 14, 14, 14, 15],
+                row(5) + [(i, i + 2) for i in range(4)], x,
                 "A chain of six with rigid bonds and rigid angles: triangles hinged on edges.", 12)
 
 
@@ -129,9 +134,10 @@ def butane() -> Motion:
     x = [[0, 0, 0], [0.153, 0, 0], [0.2, 0.145, 0], [0.34, 0.16, 0.05]]
     forces = [{"kind": "harmonic_angle", "atoms": [i, i + 1, i + 2], "angle_rad": 1.95, "k_kj_per_mol_rad2": 500}
               for i in (0, 1)]
-    forces.append({"kind": "periodic_torsion", "atoms": [0, 1, 2, 3], "periodicity": 3, "phase_rad": 0.4, "k_kj_per_mol": 8})
-    return free([15, 14, 14, 15], row(3), x, "Butane's four beads: rigid bonds, harmonic angles and a torsion.", 16, step=0.002,
-                forces=forces)
+    forces.append(
+        {"kind": "periodic_torsion", "atoms": [0, 1, 2, 3], "periodicity": 3, "phase_rad": 0.4, "k_kj_per_mol": 8})
+    return free([15, 14, 14, 15], row(3), x, "Butane's four beads: rigid bonds, harmonic angles and a torsion.", 16,
+                step=0.002, forces=forces)
 
 
 def spring_between_rotors() -> Motion:
@@ -142,23 +148,28 @@ def spring_between_rotors() -> Motion:
 
 def two_waters() -> Motion:
     x = np.vstack([WATER, WATER + [0.1, -0.29, 0.05]])
-    force = {"kind": "nonbonded", "sigma_nm": [0.315, 0.1, 0.1] * 2, "epsilon_kj_per_mol": [0.6364, 0, 0] * 2,
-             "charges_e": [-0.834, 0.417, 0.417] * 2,
-             "excluded": [[a + b, a + c] for a in (0, 3) for b, c in ((0, 1), (0, 2), (1, 2))]}
+    force = {
+        "kind": "nonbonded", "sigma_nm": [0.315, 0.1, 0.1] * 2, "epsilon_kj_per_mol": [0.6364, 0, 0] * 2,
+        "charges_e": [-0.834, 0.417, 0.417] * 2,
+        "excluded": [[a + b, a + c] for a in (0, 3) for b, c in ((0, 1), (0, 2), (1, 2))]
+    }
     pairs = [(a + i, a + j) for a in (0, 3) for i, j in all_pairs(3)]
     return free(WATER_MASSES * 2, pairs, x, "Two rigid TIP3P waters in empty space.", 18, forces=[force], speed=0.6)
 
 
 def pair_across_a_triclinic_box() -> Motion:
     x = np.array([[0.05, 0.1, 0.5], [0.05, 0.2, 0.5], [1.15, 0.12, 0.55], [1.15, 0.12, 0.65]])
-    force = {"kind": "nonbonded", "sigma_nm": [0.25] * 4, "epsilon_kj_per_mol": [0.5] * 4, "charges_e": [0.2, -0.2, -0.2, 0.2],
-             "excluded": [[0, 1], [2, 3]], "cutoff_nm": 0.55, "solvent_dielectric": 78.3}
-    return free([10] * 4, [(0, 1), (2, 3)], x, "Two dumbbells meet across the face of a triclinic box, within the cutoff all the time.",
-                19, forces=[force], speed=0.3, box_nm=[[1.3, 0, 0], [0.3, 1.25, 0], [-0.2, 0.35, 1.2]])
+    force = {
+        "kind": "nonbonded", "sigma_nm": [0.25] * 4, "epsilon_kj_per_mol": [0.5] * 4,
+        "charges_e": [0.2, -0.2, -0.2, 0.2], "excluded": [[0, 1], [2, 3]], "cutoff_nm": 0.55, "solvent_dielectric": 78.3
+    }
+    return free([10] * 4, [(0, 1), (2, 3)], x,
+                "Two dumbbells meet across the face of a triclinic box, within the cutoff all the time.", 19,
+                forces=[force], speed=0.3, box_nm=[[1.3, 0, 0], [0.3, 1.25, 0], [-0.2, 0.35, 1.2]])
 
 
 def rigid_benzene_with_sites() -> Motion:
-    """Three carbons carry the mass and the bonds; the three between them are sites, 2/3 of two and −1/3 of the third."""
+    """Three carbons carry mass and bonds; the three between them are sites, 2/3 of two and −1/3 of the third."""
     a = np.arange(6) * math.pi / 3
     x = np.stack([0.139 * np.cos(a), 0.139 * np.sin(a), 0 * a], axis=1)[[0, 2, 4, 1, 3, 5]]
     thirds = [2 / 3, 2 / 3, -1 / 3]
@@ -167,7 +178,8 @@ def rigid_benzene_with_sites() -> Motion:
     forces = [{"kind": "constant_force", "atom": 3, "force_kj_per_mol_nm": [0, 30, 60]},
               {"kind": "constant_force", "atom": 5, "force_kj_per_mol_nm": [0, 10, -90]},
               {"kind": "harmonic_position", "atom": 4, "centre_nm": [0, 0.1, 0], "k_kj_per_mol_nm2": 900}]
-    return free([26, 26, 26, 0, 0, 0], all_pairs(3), x, "Benzene as a rigid triangle of three carbons and three virtual sites, on "
+    return free([26, 26, 26, 0, 0, 0], all_pairs(3), x,
+                "Benzene as a rigid triangle of three carbons and three virtual sites, on "
                 "which forces act.", 20, forces=forces, virtual_sites=sites)
 
 
@@ -177,8 +189,9 @@ def four_site_water_in_a_field() -> Motion:
     x[3] = (1 - 2 * w) * x[0] + w * (x[1] + x[2])
     forces = [{"kind": "constant_force", "atom": atom, "force_kj_per_mol_nm": [0, 0, pull]}
               for atom, pull in ((1, 100), (2, 100), (3, -200))]
-    return free(WATER_MASSES + [0], all_pairs(3), x, "A four-site water whose virtual site and hydrogens feel an electric field.",
-                21, forces=forces, virtual_sites=[{"atom": 3, "of": [0, 1, 2], "weights": [1 - 2 * w, w, w]}])
+    return free(WATER_MASSES + [0], all_pairs(3), x,
+                "A four-site water whose virtual site and hydrogens feel an electric field.", 21, forces=forces,
+                virtual_sites=[{"atom": 3, "of": [0, 1, 2], "weights": [1 - 2 * w, w, w]}])
 
 
 def ring_through_the_box() -> Motion:
@@ -191,12 +204,12 @@ def ring_through_the_box() -> Motion:
 
 
 def net_through_the_box() -> Motion:
-    x = np.array([[0.2 * i, 0.2 * j, 0.05 * (-1.0) ** (i + j)] for i in (0, 1) for j in (0, 1)])
-    made = free([12, 13, 14, 15], [], x, "A puckered square net, endless in two directions through a triclinic box.", 23, speed=4,
-                box_nm=[[0.4, 0, 0], [0.1, 0.4, 0], [0, 0, 1]])
+    x = np.array([[0.2 * i, 0.2 * j, 0.05 * (-1.0)**(i + j)] for i in (0, 1) for j in (0, 1)])
+    made = free([12, 13, 14, 15], [], x, "A puckered square net, endless in two directions through a triclinic box.",
+                23, speed=4, box_nm=[[0.4, 0, 0], [0.1, 0.4, 0], [0, 0, 1]])
     box, bonds = np.array(made["system"]["box_nm"]), []
-    for i, j, image in ((0, 2, (0, 0, 0)), (2, 0, (1, 0, 0)), (1, 3, (0, 0, 0)), (3, 1, (1, 0, 0)),
-                        (0, 1, (0, 0, 0)), (1, 0, (0, 1, 0)), (2, 3, (0, 0, 0)), (3, 2, (0, 1, 0))):
+    for i, j, image in ((0, 2, (0, 0, 0)), (2, 0, (1, 0, 0)), (1, 3, (0, 0, 0)), (3, 1, (1, 0, 0)), (0, 1, (0, 0, 0)),
+                        (1, 0, (0, 1, 0)), (2, 3, (0, 0, 0)), (3, 2, (0, 1, 0))):
         along = x[j] - x[i] + np.array(image) @ box
         bonds.append({"atoms": [i, j], "length_nm": float(np.linalg.norm(along)), "image": list(image)})
     made["system"]["bonds"] = bonds
@@ -204,7 +217,8 @@ def net_through_the_box() -> Motion:
 
 
 def springs(x: np.ndarray, k: float) -> List[Dict[str, Any]]:
-    return [{"kind": "harmonic_position", "atom": i, "centre_nm": x[i].tolist(), "k_kj_per_mol_nm2": k} for i in range(len(x))]
+    return [{"kind": "harmonic_position", "atom": i, "centre_nm": x[i].tolist(), "k_kj_per_mol_nm2": k}
+            for i in range(len(x))]
 
 
 def swinging_rotors() -> Motion:
@@ -219,7 +233,10 @@ def rigid_angles_chain() -> Motion:
     return {**made, "step": 0.002}
 
 
-MOLECULES = [triatomic_near_180, triatomic_through_180, unequal_triangle, tumbling_water, one_step_of_water, held_water, star, ring,
-             tetrahedral_cage, cube_of_edges, cholesterol_diamond, redundant_methane, rigid_angles_alkane, free_chain_of_20,
-             chain_with_side_atoms, trimer_with_an_angle, butane, spring_between_rotors, two_waters, pair_across_a_triclinic_box,
-             rigid_benzene_with_sites, four_site_water_in_a_field, ring_through_the_box, net_through_the_box]
+MOLECULES = [
+    triatomic_near_180, triatomic_through_180, unequal_triangle, tumbling_water, one_step_of_water, held_water, star,
+    ring, tetrahedral_cage, cube_of_edges, cholesterol_diamond, redundant_methane, rigid_angles_alkane,
+    free_chain_of_20, chain_with_side_atoms, trimer_with_an_angle, butane, spring_between_rotors, two_waters,
+    pair_across_a_triclinic_box, rigid_benzene_with_sites, four_site_water_in_a_field, ring_through_the_box,
+    net_through_the_box
+]

@@ -37,21 +37,29 @@ def make(name: str, words: str, system: Dict[str, Any], x: Any, v: Any, step: fl
     for index, (what, floor) in enumerate((("positions_nm", 1e-8), ("velocities_nm_per_ps", 1e-6))):
         whole, half = errors[0][index], errors[1][index]
         assert half < floor or 3.3 < whole / half < 5, f"{name}: {what} falls by {whole / half}: no second order"
-        asks.append({"what": what, "kind": "converges", "right": exact[index], "tolerance": up(4 * max(half, floor / 4)),
-                     "floor": floor, "ground": ground, "made_by": made_by})
-    asks.append({"what": "bond_error", "kind": "exact", "right": 0, "tolerance": 1e-6,
-                 "ground": "the bonds are rigid; the runner asks for 1e-10"})
+        asks.append({
+            "what": what, "kind": "converges", "right": exact[index], "tolerance": up(4 * max(half, floor / 4)),
+            "floor": floor, "ground": ground, "made_by": made_by
+        })
+    asks.append({
+        "what": "bond_error", "kind": "exact", "right": 0, "tolerance": 1e-6,
+        "ground": "the bonds are rigid; the runner asks for 1e-10"
+    })
     if tensions:
         pulls = solver.tensions(*exact)
         lagging = np.abs(tensions_of_a_step(solver, *start, step / 2, steps * 2) - pulls).max()
-        asks.append({"what": "tensions_kj_per_mol_nm", "kind": "converges", "right": pulls, "floor": 1e-3,
-                     "tolerance": up(4 * max(float(np.abs(solver.tensions(*plain[1]) - pulls).max()), lagging, 2.5e-4)),
-                     "made_by": made_by,
-                     "ground": "(J M⁻¹ Jᵀ) λ = −|ṙ|² − J M⁻¹ F at the exact positions and velocities; T = −λ d"})
+        asks.append({
+            "what": "tensions_kj_per_mol_nm", "kind": "converges", "right": pulls, "floor": 1e-3,
+            "tolerance": up(4 * max(float(np.abs(solver.tensions(*plain[1]) - pulls).max()), lagging, 2.5e-4)),
+            "made_by": made_by,
+            "ground": "(J M⁻¹ Jᵀ) λ = −|ṙ|² − J M⁻¹ F at the exact positions and velocities; T = −λ d"
+        })
     print(f"{name:28} {errors[0][0]:.1e} {errors[1][0]:.1e} nm  {errors[0][0] / max(errors[1][0], 1e-30):.2f}")
-    return {"name": name, "words": words, "system": system,
-            "start": {"positions_nm": start[0], "velocities_nm_per_ps": start[1]},
-            "run": {"step_ps": step, "steps": steps}, "asks": asks}
+    return {
+        "name": name, "words": words, "system": system,
+        "start": {"positions_nm": start[0], "velocities_nm_per_ps": start[1]}, "run": {"step_ps": step,
+                                                                                       "steps": steps}, "asks": asks
+    }
 
 
 def tensions_of_a_step(solver: System, x: np.ndarray, v: np.ndarray, h: float, steps: int) -> np.ndarray:

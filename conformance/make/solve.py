@@ -1,12 +1,12 @@
 """The exact motion of a case's system, its tensions and its virial, by an independent solver.
 
 A system with bonds obeys M a = F + Jᵀ λ, J the gradients of ½(|r|² − d²). Differentiating the bonds twice gives
-J a = −|ṙ|², so (J M⁻¹ Jᵀ) λ = −|ṙ|² − J M⁻¹ F: an ordinary differential equation of index 1 (Hairer & Wanner, Solving
-Ordinary Differential Equations II, VII.1). It is integrated by DOP853 to a relative 1e-13, and what rounding leaves of the bonds is
-taken away by projections on the way. Redundant bonds share the load with the least sum of squares.
+J a = −|ṙ|², so (J M⁻¹ Jᵀ) λ = −|ṙ|² − J M⁻¹ F: a system of index 1 (Hairer & Wanner, Solving Ordinary Differential
+Equations II, VII.1). It is integrated by DOP853 to a relative 1e-13, and projections on the way take away what rounding
+leaves of the bonds. Redundant bonds share the load with the least sum of squares.
 
-`verlet` is plain velocity Verlet with bonds (RATTLE) solved to rounding. It gives no right value: only the size of the error that
-a scheme of second order makes at a step, from which tolerances come.
+`verlet` is plain velocity Verlet with bonds (RATTLE) solved to rounding. It gives no right value: only the size of the
+error that a scheme of second order makes at a step, from which tolerances come.
 """
 
 from __future__ import annotations
@@ -47,7 +47,6 @@ def torsion_gradient(x: np.ndarray) -> Tuple[float, np.ndarray]:
 
 class System:
     """A case's system: J, forces and energy at positions."""
-
     def __init__(self, system: Dict[str, Any]) -> None:
         self.of = system
         self.mass = np.array(system["masses_u"], dtype=float)
@@ -110,7 +109,7 @@ class System:
         pull = k * (r - term["length_nm"]) * (x[j] - x[i]) / r
         force[i] += pull
         force[j] -= pull
-        return 0.5 * k * (r - term["length_nm"]) ** 2
+        return 0.5 * k * (r - term["length_nm"])**2
 
     def _harmonic_angle(self, term: Dict[str, Any], x: np.ndarray, force: np.ndarray) -> float:
         (i, j, k), stiffness = term["atoms"], term["k_kj_per_mol_rad2"]
@@ -119,7 +118,7 @@ class System:
         force[i] -= slope * da
         force[k] -= slope * db
         force[j] += slope * (da + db)
-        return 0.5 * stiffness * (theta - term["angle_rad"]) ** 2
+        return 0.5 * stiffness * (theta - term["angle_rad"])**2
 
     def _periodic_torsion(self, term: Dict[str, Any], x: np.ndarray, force: np.ndarray) -> float:
         n, k, phase = term["periodicity"], term["k_kj_per_mol"], term["phase_rad"]
@@ -142,7 +141,7 @@ class System:
                 d = np.linalg.norm(r)
                 if (i, j) in excluded or (cutoff and d > cutoff):
                     continue
-                six = (0.5 * (sigma[i] + sigma[j]) / d) ** 6
+                six = (0.5 * (sigma[i] + sigma[j]) / d)**6
                 four, q = 4 * math.sqrt(epsilon[i] * epsilon[j]), COULOMB * charge[i] * charge[j]
                 energy += four * (six * six - six) + q * (1 / d + k_rf * d * d - c_rf)
                 push = (four * (12 * six * six - 6 * six) / d + q * (1 / d**2 - 2 * k_rf * d)) * r / d
@@ -168,7 +167,7 @@ class System:
         """Positions and velocities on the bonds, the nearest by mass."""
         x, v, w = x.copy(), v.copy(), np.sqrt(self.inv)[:, None]
         for _ in range(20):
-            sigma = 0.5 * ((self.bond_vectors(x) ** 2).sum(1) - self.length**2)
+            sigma = 0.5 * ((self.bond_vectors(x)**2).sum(1) - self.length**2)
             x -= self._least(x, sigma) * w
             if not sigma.size or np.abs(sigma).max() < 1e-15:
                 break
@@ -195,8 +194,8 @@ def move(system: System, x: np.ndarray, v: np.ndarray, time: float, parts: int =
 
     x, v = system.project(x, v)
     for _ in range(parts):
-        solved = solve_ivp(slope, (0, time / parts), np.concatenate([x.ravel(), v.ravel()]), "DOP853",
-                           rtol=rtol, atol=rtol / 10, t_eval=[time / parts])
+        solved = solve_ivp(slope, (0, time / parts), np.concatenate([x.ravel(), v.ravel()]), "DOP853", rtol=rtol,
+                           atol=rtol / 10, t_eval=[time / parts])
         x, v = system.project(solved.y[:n, -1].reshape(x.shape), solved.y[n:, -1].reshape(x.shape))
     return x, v
 
@@ -211,7 +210,7 @@ def verlet(system: System, x: np.ndarray, v: np.ndarray, h: float, steps: int) -
         old, x = x, x + h * v
         along = (system.jacobian(old) * inv).reshape(len(system.pairs), -1)
         for _ in range(50):
-            sigma = 0.5 * ((system.bond_vectors(x) ** 2).sum(1) - system.length**2)
+            sigma = 0.5 * ((system.bond_vectors(x)**2).sum(1) - system.length**2)
             if not sigma.size or np.abs(sigma).max() < 1e-15:
                 break
             matrix = system.jacobian(x).reshape(len(sigma), -1) @ along.T
@@ -232,7 +231,7 @@ def up(value: float) -> float:
     """A number rounded up to one digit."""
     if value <= 0:
         return 0.0
-    size = 10.0 ** math.floor(math.log10(value))
+    size = 10.0**math.floor(math.log10(value))
     return float(f"{math.ceil(value / size) * size:.1g}")
 
 

@@ -1,7 +1,7 @@
 """The command `taut run --openmm`: the case as files, the answers from the files that a run leaves.
 
-Energies and pressure are those of log.csv, positions and velocities those of final.start.toml, so that a run has them at
-the start and at the end alone. What wants more rows of them is not offered here, but by the module.
+Energies and pressure are those of log.csv, positions and velocities those of final.start.toml, so that a run has them
+at the start and at the end alone. What wants more rows of them is not offered here, but by the module.
 """
 
 from __future__ import annotations
@@ -62,7 +62,8 @@ def state_xml(case: Case, shift: np.ndarray) -> str:
 def settings_of(case: Case, variant: str) -> List[str]:
     run, system = case["run"], case["system"]
     chosen: Dict[str, Any] = {"forcefield.precision": "double", **VARIANTS[variant], "run.redundant": "drop",
-                              "run.dt_fs": 1000 * run["step_ps"], "run.log_every": run.get("rows_every", run["steps"]) or 1,
+                              "run.dt_fs": 1000 * run["step_ps"],
+                              "run.log_every": run.get("rows_every", run["steps"]) or 1,
                               "method.tolerance": run.get("bond_tolerance", 1e-10)}
     if "box_nm" not in system and all(force["kind"] != "nonbonded" for force in system["forces"]):
         del chosen["forcefield.precision"]  # taut refuses it where no pairs are
@@ -99,8 +100,8 @@ def run(case: Case, variant: str) -> Dict[str, Any]:
         folder = Path(scratch)
         (folder / "system.xml").write_text(system_xml(case), encoding="utf-8")
         (folder / "state.xml").write_text(state_xml(case, shift), encoding="utf-8")
-        done = subprocess.run([command(), "run", "--openmm", "system.xml", "state.xml", "--steps", str(case["run"]["steps"]),
-                               "--threads", "1", "--out", "out", "--set", *settings_of(case, variant)],
+        done = subprocess.run([command(), "run", "--openmm", "system.xml", "state.xml", "--threads", "1", "--out", "out",
+                               "--steps", str(case["run"]["steps"]), "--set", *settings_of(case, variant)],
                               cwd=folder, capture_output=True, text=True)
         if done.returncode in (1, 2):
             return {"refused": done.stderr.strip()}

@@ -1,7 +1,8 @@
 """taut's Python module: every constraint method, from the System's XML.
 
 Tolerances are those of the case, where a method has one; else its defaults. Rows are read between steps, with the
-velocities of the full step. Redundant bonds are run as `run.redundant = "drop"`, which taut recommends when it refuses them.
+velocities of the full step. Redundant bonds are run as `run.redundant = "drop"`, which taut recommends where it refuses
+them.
 """
 
 from __future__ import annotations

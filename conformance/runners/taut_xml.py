@@ -1,4 +1,4 @@
-"""A case's system as the XML of an OpenMM System, which taut reads: written here, so that OpenMM need not be installed."""
+"""A case's system as the XML of an OpenMM System, which taut reads. OpenMM need not be installed."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ def force(kind: str, inside: List[str], **attributes: Any) -> str:
 
 
 def external(energy: str, atoms: List[int]) -> str:
-    return force("CustomExternalForce", [tag("PerParticleParameters"), tag("GlobalParameters"),
-                                         tag("Particles", [tag("Particle", index=atom) for atom in atoms])], energy=energy)
+    particles = tag("Particles", [tag("Particle", index=atom) for atom in atoms])
+    return force("CustomExternalForce", [tag("PerParticleParameters"), tag("GlobalParameters"), particles], energy=energy)
 
 
 def towards(vector: List[float]) -> str:
@@ -86,8 +86,9 @@ def system_xml(case: Case) -> str:
     forces = [one for of in system["forces"] for one in one_force(of, system)]
     if "box_nm" in system and not any(of["kind"] == "nonbonded" for of in system["forces"]):
         nothing = [0] * len(particles)  # OpenMM's Systems have a box only where a force is periodic
+        cutoff = 0.1 * min(system["box_nm"][k][k] for k in range(3))
         forces.append(nonbonded({"charges_e": nothing, "sigma_nm": [1] * len(particles), "epsilon_kj_per_mol": nothing,
-                                 "excluded": [], "cutoff_nm": 0.1 * min(system["box_nm"][k][k] for k in range(3))}, True))
+                                 "excluded": [], "cutoff_nm": cutoff}, periodic=True))
     return '<?xml version="1.0" ?>' + tag(
         "System", boxed + [tag("Particles", particles), tag("Constraints", bonds), tag("Forces", forces)],
         type="System", version=1, openmmVersion="8.0")

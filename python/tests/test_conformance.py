@@ -1,0 +1,154 @@
+"""The cases of conformance/: they keep to their schema, taut's methods pass them, and a wrong engine does not."""
+
+import copy
+import importlib.util
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+FOLDER = Path(__file__).resolve().parents[2] / "conformance"
+
+#: What a method is known to get wrong, or not to get at all: the matrix says why.
+KNOWN = {
+    "rattle": {"jansen_linkage", "hanging_unequal_masses"},  # Gauss-Seidel creeps: 1000 sweeps do not reach 1e-10
+}
+
+
+def load(name, path):
+    spec = importlib.util.spec_from_file_location(name, path)
+    made = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(made)
+    return made
+
+
+@pytest.fixture(scope="module")
+def suite():
+    path = list(sys.path)
+    made = load("conformance_run", FOLDER / "run.py")
+    yield made
+    sys.path[:] = path
+
+
+@pytest.fixture(scope="module")
+def runner(suite):
+    return suite.load_runner("taut_python")
+
+
+def fixed_cases(suite):
+    """Those without chance."""
+    cases = suite.read_cases()
+    return [case for case in cases if all(ask["kind"] != "statistical" for ask in case["asks"])]
+
+
+def case_called(suite, name):
+    return next(case for case in suite.read_cases([name]) if case["name"] == name)
+
+
+def test_cases_keep_to_the_schema(suite, capsys):
+    pytest.importorskip("jsonschema", reason="needs Debian's python3-jsonschema, or jsonschema from PyPI")
+    assert load("conformance_check", FOLDER / "check.py").main() == 0, capsys.readouterr().out
+    assert sum(path.stat().st_size for path in FOLDER.glob("cases/*/*.json")) < 600_000
+
+
+@pytest.mark.parametrize("method", ["newton", "mshake", "feedforward", "baumgarte", "rattle"])
+def test_taut_is_right(suite, runner, method):
+    verdicts = suite.run_variant(runner, method, fixed_cases(suite))
+    wrong = {one["case"]: one for one in verdicts if one["verdict"] == "failed"}
+    refused = {one["case"] for one in verdicts if one["verdict"] == "refused"}
+    assert wrong == {}
+    assert refused - {"freedom_with_a_bond_twice"} == KNOWN.get(method, set())
+    assert sum(one["verdict"] == "passed" for one in verdicts) > 150
+
+
+def test_results_are_of_these_cases(suite):
+    """Results that are kept judge what the cases ask today, with the tolerances of today."""
+    asked = {(case["name"], ask["what"]): ask.get("tolerance") for case in suite.read_cases() for ask in case["asks"]}
+    for path in FOLDER.glob("results/*.json"):
+        for one in json.loads(path.read_text())["verdicts"]:
+            tolerance = asked.get((one["case"], one["what"]), "none")
+            assert tolerance == one["tolerance"] or np.isclose(tolerance, one["tolerance"], rtol=0.01), (path.name, one)
+
+
+def change_rows(result, **change):
+    made = copy.deepcopy(result)
+    if "rows" in made:
+        rows = {key: np.array(values, dtype=float) for key, values in made["rows"].items()}
+        made["rows"] = {**rows, **{key: of(rows) for key, of in change.items()}}
+    return made
+
+
+def kinetic_pressure(rows):
+    """Of atoms, without what bonds add: 27 nm³."""
+    return 2 * rows["kinetic_kj_per_mol"] / 81 * 16.605390671738466
+
+
+WRONG = [
+    ("turning_dumbbell", {"pressure_bar": kinetic_pressure}, "no virial of bonds"),
+    ("free_rotor", {"positions_nm": lambda rows: rows["positions_nm"] + 2e-5}, "positions a little off"),
+    ("butane", {"velocities_nm_per_ps": lambda rows: 1.03 * rows["velocities_nm_per_ps"]}, "velocities too large"),
+    ("hanging_chain", {"tensions_kj_per_mol_nm": lambda rows: -rows["tensions_kj_per_mol_nm"]}, "tensions' sign"),
+    ("momenta_of_a_chain", {"velocities_nm_per_ps": lambda rows: rows["velocities_nm_per_ps"]
+                            * (1 + 1e-6 * rows["step"][:, None, None])}, "momenta that drift"),
+    ("energy_of_butane", {"potential_kj_per_mol": lambda rows: 0 * rows["step"]}, "no potential energy"),
+    ("drift_of_butane", {"kinetic_kj_per_mol": lambda rows: rows["kinetic_kj_per_mol"] + 0.002 * rows["step"]}, "drift"),
+    ("pendulum", {"positions_nm": lambda rows: np.nan * rows["positions_nm"]}, "NaN"),
+    ("gas_of_dumbbells", {"velocities_nm_per_ps": lambda rows: 0.9 * rows["velocities_nm_per_ps"]}, "a cold bath"),
+    ("mean_tension", {"tensions_kj_per_mol_nm": lambda rows: 0.9 * rows["tensions_kj_per_mol_nm"]}, "a mean's error"),
+]
+
+
+@pytest.mark.parametrize("name, change, fault", WRONG, ids=[fault for _, _, fault in WRONG])
+def test_what_is_wrong_fails(suite, runner, name, change, fault):
+    case = case_called(suite, name)
+    right = suite.judge_case(case, lambda varied: runner.run(varied, "newton"))
+    assert {one["verdict"] for one in right} == {"passed"}
+    wrong = suite.judge_case(case, lambda varied: change_rows(runner.run(varied, "newton"), **change))
+    assert "failed" in {one["verdict"] for one in wrong}
+
+
+def test_a_wrong_mass_is_seen(suite, runner):
+    """Of the heaviest atom, in any case of motion but those in which gravity moves all alike."""
+    for case in suite.read_cases(["motion/"]):
+        def run_with_a_wrong_mass(varied):
+            masses = varied["system"]["masses_u"]
+            masses[max(range(len(masses)), key=masses.__getitem__)] *= 1.2
+            return runner.run(varied, "newton")
+
+        verdicts = {one["verdict"] for one in suite.judge_case(case, run_with_a_wrong_mass)}
+        falls_alike = any(word in case["name"] for word in ("pendulum", "dead_point", "plate"))  # whatever the mass
+        assert "failed" in verdicts or falls_alike or verdicts == {"not offered"}, case["name"]
+
+
+def test_a_refusal_needs_a_word(suite):
+    case = case_called(suite, "triangle_that_cannot_be")
+    ran_on = suite.judge_case(case, lambda varied: {"rows": {"step": [0]}})
+    refused = suite.judge_case(case, lambda varied: {"refused": "no triangle has these sides"})
+    assert [one["verdict"] for one in ran_on + refused] == ["failed", "passed"]
+
+
+def test_a_runner_that_breaks_fails(suite):
+    verdicts = suite.judge_case(case_called(suite, "pendulum"), lambda varied: 1 / 0)
+    assert {one["verdict"] for one in verdicts} == {"failed"}
+    assert "ZeroDivisionError" in verdicts[0]["why"]
+
+
+def test_right_values_follow_from_their_formulas(tmp_path, monkeypatch):
+    """What scripts of make write is what the folder has; those without a solver's long run."""
+    pytest.importorskip("scipy", reason="needs scipy")
+    monkeypatch.setattr(sys, "path", [str(FOLDER / "make"), *sys.path])
+    solve = load("solve", FOLDER / "make" / "solve.py")
+    monkeypatch.setitem(sys.modules, "solve", solve)
+    monkeypatch.setattr(solve, "CASES", tmp_path)
+    forces, freedom = (load(f"make_{name}", FOLDER / "make" / f"{name}.py") for name in ("forces", "freedom"))
+    for write in (forces.write_forces, forces.write_pressures, freedom.write_freedoms, freedom.write_refusals):
+        write()
+    written = sorted(tmp_path.glob("*/*.json"))
+    assert len(written) > 35
+    for path in written:
+        kept = FOLDER / "cases" / path.relative_to(tmp_path)
+        for one, other in zip(*(json.loads(file.read_text())["asks"] for file in (path, kept))):
+            rights = [np.array(ask["right"], float) for ask in (one, other)]
+            np.testing.assert_allclose(*rights, rtol=1e-6, atol=1e-9, err_msg=path.stem)
