@@ -37,19 +37,24 @@ class Topology:
 
 def add_rigid_bonds(case: Case, topology: Topology) -> None:
     """Bonds; of a triangle two bonds of one length and the angle between them, as fix shake wants it."""
-    bonds = {tuple(sorted(bond["atoms"])): bond["length_nm"] for bond in case["system"]["bonds"]}
     for atoms in clusters(case):
-        here = {pair: d for pair, d in bonds.items() if pair[0] in atoms}
-        if len(atoms) == 3 and len(here) == 3:
+        listed = [(tuple(sorted(bond["atoms"])), bond["length_nm"]) for bond in case["system"]["bonds"]
+                  if bond["atoms"][0] in atoms]
+        here = dict(listed)
+        if len(atoms) == 3 and len(here) == len(listed) == 3:
             for centre in atoms:
                 a, b = (other for other in atoms if other != centre)
                 da, db = here[tuple(sorted((centre, a)))], here[tuple(sorted((centre, b)))]
                 if da == db:
                     break
-            base = here.pop(tuple(sorted((a, b))))
-            angle = degrees(acos((da**2 + db**2 - base**2) / (2 * da * db)))
+            pair = tuple(sorted((a, b)))
+            cosine = (da**2 + db**2 - here[pair] ** 2) / (2 * da * db)
+            if abs(cosine) > 1:
+                raise Unsayable("a triangle is two bonds and the angle between them, which this one has not")
+            angle = degrees(acos(cosine))
+            listed = [(other, d) for other, d in listed if other != pair]
             topology.add("Angles", f"1 {angle:.17g}", [a, centre, b], rigid=True)
-        for pair, d in here.items():
+        for pair, d in listed:
             topology.add("Bonds", f"1 {d:.17g}", list(pair), rigid=True)
 
 
