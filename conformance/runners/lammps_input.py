@@ -121,7 +121,7 @@ def write_case(case: Case, folder: Any, shift: Any) -> Dict[str, Any]:
             topology.add("Bonds", f"{force['k_kj_per_mol_nm2'] / 2:.17g} {force['length_nm']:.17g}", atoms)
         elif kind == "harmonic_angle":
             topology.add("Angles", f"{force['k_kj_per_mol_rad2'] / 2:.17g} {degrees(force['angle_rad']):.17g}", atoms)
-        elif kind == "periodic_torsion":  # of style fourier: one term
+        elif kind == "periodic_torsion":
             topology.add("Dihedrals", f"1 {force['k_kj_per_mol']:.17g} {force['periodicity']} "
                                       f"{degrees(force['phase_rad']):.17g}", atoms)
         elif kind == "nonbonded":
