@@ -29,7 +29,13 @@ def read_results() -> List[Dict[str, Any]]:
 
 
 def judge_again(verdict: Verdict) -> str:
-    """A mean that is right within four of its errors, which are larger than allowed, settles nothing."""
+    """What the runs of all engines need to be counted alike.
+
+    A mean that is right within four of its errors, which are larger than allowed, settles nothing. A run that an engine
+    breaks off at some step is no refusal of the input.
+    """
+    if verdict["verdict"] == "refused" and re.match(r"step [1-9]", verdict.get("why", "")):
+        return "failed"
     error, sigma = verdict.get("error"), verdict.get("standard_error")
     if verdict["verdict"] == "failed" and sigma is not None and error is not None and error <= 4 * sigma:
         return "undecided"

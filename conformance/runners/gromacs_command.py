@@ -149,11 +149,14 @@ def run_in(case: Case, engine: Gromacs, of: Dict[str, Any]) -> Case:
     rows = row_steps(case)
     places = unwrap(engine.case, [frames[s][0] for s in range(steps + 1)]) - engine.case["shift"]
     speeds = [frames[s][1] if integrator != "md" else 0.5 * (frames[s][1] + frames[s + 1][1]) for s in rows]
-    told = {key: values[rows] for key, values in engine.energies(steps).items()}
-    uniform = {"system": {**case["system"], "forces": [
-        force for force in case["system"]["forces"] if force["kind"] in ("gravity", "constant_force")]}}
-    told["potential_kj_per_mol"] = told["potential_kj_per_mol"] + [force_function(uniform)(places[s])[0] for s in rows]
+    what, told, freedom = {ask["what"] for ask in case["asks"]}, {}, {}
+    if what & {"pressure_bar", "energy_kj_per_mol", "energy_range_kj_per_mol", "drift_kt_per_ns_dof"}:
+        told = {key: values[rows] for key, values in engine.energies(steps).items()}
+        uniform = {"system": {**case["system"], "forces": [
+            force for force in case["system"]["forces"] if force["kind"] in ("gravity", "constant_force")]}}
+        told["potential_kj_per_mol"] = told["potential_kj_per_mol"] + [force_function(uniform)(places[s])[0] for s in rows]
+    if "degrees_of_freedom" in what:
+        freedom = {"degrees_of_freedom": engine.degrees_of_freedom()}
     if "box_nm" not in case["system"]:
-        del told["pressure_bar"]
-    return {"rows": {"step": rows, "positions_nm": places[rows], "velocities_nm_per_ps": speeds, **told},
-            "degrees_of_freedom": engine.degrees_of_freedom()}
+        told.pop("pressure_bar", None)
+    return {"rows": {"step": rows, "positions_nm": places[rows], "velocities_nm_per_ps": speeds, **told}, **freedom}
