@@ -97,9 +97,14 @@ def write_topology(case: Case, folder: Path, settled: bool) -> None:
     lines = ["[ defaults ]", "1 2 no 1 1", "[ atomtypes ]"]
     lines += [f"T{i} 1 0 A {sigma[i]:.17g} {epsilon[i]:.17g}" for i in range(count)]
     molecules = settle_molecules(case) if settled else [list(range(count))]
-    for number, atoms in enumerate(molecules):
-        lines += molecule_type(case, number, atoms, settled, charges)
-    lines += ["[ system ]", "a case", "[ molecules ]", *[f"M{number} 1" for number in range(len(molecules))]]
+    lines += molecule_type(case, 0, molecules[0], settled, charges)
+    if settled:  # GROMACS allows one kind of settled molecule: all are the first
+        if len(molecules) > 1 and any(force["kind"] == "harmonic_position" for force in case["system"]["forces"]):
+            raise Unsayable("[ settles ] of one kind of molecule alone, all restrained or none")
+        columns = (case["system"]["masses_u"], charges, sigma, epsilon)
+        if any([values[a] for a in atoms] != [values[a] for a in molecules[0]] for values in columns for atoms in molecules):
+            raise Unsayable("[ settles ] of one kind of molecule alone")
+    lines += ["[ system ]", "a case", "[ molecules ]", f"M0 {len(molecules)}"]
     (folder / "topol.top").write_text("\n".join(lines) + "\n")
 
 
