@@ -6,7 +6,8 @@ root_doc = "docs/index"
 extensions = ["myst_parser", "sphinx.ext.autodoc"]
 include_patterns = ["docs/*.md", "README.md", "CONTRIBUTING.md", "constraints/README.md", "systems/README.md",
                     "systems/KEYS.md", "lammps/README.md", "benchmarks/README.md", "tests/README.md",
-                    "tests/portability/README.md"]
+                    "tests/portability/README.md", "docs/study/README.md", "openmm_plugin/README.md",
+                    "conformance/README.md", "conformance/MATRIX.md"]
 myst_heading_anchors = 4  # the names that GitHub gives to headings
 suppress_warnings = ["myst.xref_missing"]  # links to files that are no pages; tests/named_files.py checks all links
 autodoc_member_order = "bysource"
