@@ -59,15 +59,15 @@ def bond_error(case: Case, rows: Rows) -> float:
     )
 
 
-def momentum(case: Case, rows: Rows) -> np.ndarray:
+def momentum(case: Case, rows: Rows) -> float:
     p = np.einsum("a,rai->ri", masses_of(case), rows["velocities_nm_per_ps"])
-    return np.abs(p - p[0]).max()
+    return float(np.abs(p - p[0]).max())
 
 
-def angular_momentum(case: Case, rows: Rows) -> np.ndarray:
+def angular_momentum(case: Case, rows: Rows) -> float:
     turning = np.cross(rows["positions_nm"], rows["velocities_nm_per_ps"])
     total = np.einsum("a,rai->ri", masses_of(case), turning)
-    return np.abs(total - total[0]).max()
+    return float(np.abs(total - total[0]).max())
 
 
 def drift(case: Case, rows: Rows) -> float:

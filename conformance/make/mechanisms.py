@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Dict, List, Tuple
+from typing import Any, Dict, List, Sequence, Tuple
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -16,8 +16,8 @@ DOWN = {"kind": "gravity", "acceleration_nm_per_ps2": [0, -G, 0]}
 Motion = Dict[str, Any]
 
 
-def system(masses: List[float], pairs: List[Tuple[int, int]], x: np.ndarray, *forces: Dict[str, Any]) -> Dict[str, Any]:
-    return {"masses_u": masses, "bonds": bonds_of(pairs, x), "forces": list(forces)}
+def system(masses: Sequence[float], pairs: List[Tuple[int, int]], x: np.ndarray, *forces: Dict[str, Any]) -> Dict[str, Any]:
+    return {"masses_u": list(masses), "bonds": bonds_of(pairs, x), "forces": list(forces)}
 
 
 def row(*bonds: int) -> List[Tuple[int, int]]:

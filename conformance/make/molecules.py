@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from itertools import combinations
-from typing import Any, Dict, List
+from typing import Any, Dict, List, Sequence
 
 import numpy as np
 
@@ -15,7 +15,7 @@ def kicks(seed: int, x: np.ndarray, speed: float = 1.0) -> np.ndarray:
     return speed * np.random.default_rng(seed).normal(size=x.shape)
 
 
-def free(masses: List[float], pairs: Any, x: Any, words: str, seed: int, step: float = 0.001, steps: int = 200,
+def free(masses: Sequence[float], pairs: Any, x: Any, words: str, seed: int, step: float = 0.001, steps: int = 200,
          speed: float = 1.0, forces: Any = (), **more: Any) -> Motion:
     x = np.array(x, dtype=float)
     return {

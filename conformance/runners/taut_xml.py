@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict, deque
-from typing import Any, Dict, Iterable, List, Optional
+from typing import Any, Dict, Iterable, List, Optional, Set
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
@@ -17,7 +17,7 @@ def tag(tag_name: str, inside: Iterable[str] = (), **attributes: Any) -> str:
     return f"<{tag_name}{said}>{''.join(inside)}</{tag_name}>"
 
 
-def numbered(atoms: Iterable[int]) -> Dict[str, int]:
+def numbered(atoms: Iterable[int]) -> Dict[str, Any]:
     return {f"p{n + 1}": atom for n, atom in enumerate(atoms)}
 
 
@@ -62,14 +62,14 @@ def one_force(of: Case, system: Case) -> List[str]:
         return [external(of["energy_kj_per_mol"], of["atoms"])]
     if kind == "nonbonded":
         return [nonbonded(of, "box_nm" in system)]
-    term = numbered(of["atoms"])
+    atoms = numbered(of["atoms"])
     if kind == "harmonic_bond":
-        term = tag("Bond", d=of["length_nm"], k=of["k_kj_per_mol_nm2"], **term)
+        term = tag("Bond", d=of["length_nm"], k=of["k_kj_per_mol_nm2"], **atoms)
         return [force("HarmonicBondForce", [tag("Bonds", [term])], usesPeriodic=0)]
     if kind == "harmonic_angle":
-        term = tag("Angle", a=of["angle_rad"], k=of["k_kj_per_mol_rad2"], **term)
+        term = tag("Angle", a=of["angle_rad"], k=of["k_kj_per_mol_rad2"], **atoms)
         return [force("HarmonicAngleForce", [tag("Angles", [term])], usesPeriodic=0)]
-    term = tag("Torsion", periodicity=of["periodicity"], phase=of["phase_rad"], k=of["k_kj_per_mol"], **term)
+    term = tag("Torsion", periodicity=of["periodicity"], phase=of["phase_rad"], k=of["k_kj_per_mol"], **atoms)
     return [force("PeriodicTorsionForce", [tag("Torsions", [term])], usesPeriodic=0)]
 
 
@@ -102,7 +102,7 @@ def whole_by_images(case: Case) -> Optional[np.ndarray]:
         neighbours[i].append((j, image))
         neighbours[j].append((i, -image))
     shifts = np.zeros((len(case["system"]["masses_u"]), 3), dtype=int)
-    seen: set = set()
+    seen: Set[int] = set()
     for first in range(len(shifts)):
         queue = deque([] if first in seen else [first])
         seen.add(first)
