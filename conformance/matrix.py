@@ -37,8 +37,9 @@ def judge_again(verdict: Verdict) -> str:
     if verdict["verdict"] == "refused" and re.match(r"step [1-9]", verdict.get("why", "")):
         return "failed"
     error, sigma = verdict.get("error"), verdict.get("standard_error")
-    if verdict["verdict"] == "failed" and sigma is not None and error is not None and error <= 4 * sigma:
-        return "undecided"
+    if verdict["verdict"] == "failed" and sigma is not None and error is not None:
+        if error <= max(4 * sigma, verdict["tolerance"]):
+            return "passed" if sigma <= verdict["tolerance"] else "undecided"
     return verdict["verdict"]
 
 

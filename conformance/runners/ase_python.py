@@ -17,8 +17,9 @@ from ase.constraints import FixAtoms, FixBondLengths, FixLinearTriatomic
 from ase.md.langevin import Langevin
 from ase.md.verlet import VelocityVerlet
 
-from shared import (Case, EngineStopped, force_function, moving, nearest_images, not_offered, row_steps,
-                    start_velocities, wants_refusal)
+from forces import force_function
+from shared import (
+    Case, EngineStopped, moving, nearest_images, not_offered, row_steps, start_velocities, wants_refusal)
 
 VARIANTS: Dict[str, Dict[str, Any]] = {"fix_bond_lengths": {}, "fix_linear_triatomic": {"linear": True}}
 EV = 96.48533212331  # kJ/mol in an eV

@@ -12,7 +12,8 @@ import exudyn
 import exudyn.itemInterface as items
 import numpy as np
 
-from shared import Case, EngineStopped, force_function, moving, not_offered, row_steps, start_velocities, wants_refusal
+from forces import force_function
+from shared import Case, EngineStopped, moving, not_offered, row_steps, start_velocities, wants_refusal
 
 VARIANTS: Dict[str, Dict[str, Any]] = {"generalized_alpha": {"radius": 0.9}}
 

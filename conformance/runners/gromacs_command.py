@@ -2,8 +2,7 @@
 
 The commands are `gmx_d` for double precision, and what GMX_NEW names (else `gmx`) for the newest version there is. md's
 velocities are half a step behind: a run starts from that of half a step before, found by a step of GROMACS's own
-backwards, and rows have the mean of the two around them. Gravity and constant forces are pull coordinates.
-"""
+backwards, and rows have the mean of the two around them. Gravity and constant forces are pull coordinates."""
 
 from __future__ import annotations
 
@@ -16,10 +15,10 @@ from pathlib import Path
 from typing import Any, Dict, List
 
 import numpy as np
-from gromacs_files import Unsayable, read_trr, roomy, write_coordinates, write_parameters, write_topology
+from gromacs_files import Unsayable, call, read_trr, roomy, write_coordinates, write_parameters, write_topology
 
-from shared import (EngineStopped, force_function, nearest_images, not_offered, row_steps, start_velocities, unwrap,
-                    wants_refusal)
+from forces import force_function
+from shared import EngineStopped, nearest_images, not_offered, row_steps, start_velocities, unwrap, wants_refusal
 
 LINCS, TIGHT = {"algorithm": "lincs", "order": 4, "iter": 1}, {"algorithm": "lincs", "order": 8, "iter": 8}
 VARIANTS: Dict[str, Dict[str, Any]] = {
@@ -61,17 +60,6 @@ def constraint_lines(case: Case, of: Dict[str, Any]) -> List[str]:
     if of["algorithm"] == "shake":
         return ["constraint-algorithm = shake", f"shake-tol = {case['run'].get('bond_tolerance', 1e-10):g}"]
     return ["constraint-algorithm = lincs", f"lincs-order = {of.get('order', 4)}", f"lincs-iter = {of.get('iter', 1)}"]
-
-
-def call(program: str, arguments: List[str], folder: Path, typed: str = "") -> str:
-    """The error that GROMACS says, empty if it has none."""
-    quiet = {**os.environ, "GMX_MAXBACKUP": "-1", "OMP_NUM_THREADS": "1"}
-    done = subprocess.run([program, "-quiet", *arguments], cwd=folder, capture_output=True, text=True, check=False,
-                          env=quiet, input=typed)
-    if done.returncode == 0:
-        return ""
-    said = re.search(r"(?:Fatal error|Error in user input|Inconsistency[^:]*|ERROR \d[^:]*):\s*\n(.*?)\n\n", done.stderr, re.S)
-    return " ".join((said.group(1) if said else done.stderr[-400:]).split())
 
 
 class Gromacs:

@@ -1,8 +1,11 @@
-"""A case as GROMACS's files: topology, coordinates with all digits, parameters of the run; and its trajectory, read."""
+"""A case as GROMACS's files: topology, coordinates with all digits, parameters; its commands called, its trajectory read."""
 
 from __future__ import annotations
 
+import os
+import re
 import struct
+import subprocess
 from math import degrees
 from pathlib import Path
 from typing import Any, Dict, List
@@ -193,3 +196,14 @@ def read_trr(path: Path) -> Dict[int, Any]:
             at += size
         frames[step] = arrays[:2]
     return frames
+
+
+def call(program: str, arguments: List[str], folder: Path, typed: str = "") -> str:
+    """The error that GROMACS says, empty if it has none."""
+    quiet = {**os.environ, "GMX_MAXBACKUP": "-1", "OMP_NUM_THREADS": "1"}
+    done = subprocess.run([program, "-quiet", *arguments], cwd=folder, capture_output=True, text=True, check=False,
+                          env=quiet, input=typed)
+    if done.returncode == 0:
+        return ""
+    said = re.search(r"(?:Fatal error|Error in user input|Inconsistency[^:]*|ERROR \d[^:]*):\s*\n(.*?)\n\n", done.stderr, re.S)
+    return " ".join((said.group(1) if said else done.stderr[-400:]).split())

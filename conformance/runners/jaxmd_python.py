@@ -18,8 +18,9 @@ import jax.numpy as jnp  # noqa: E402  (after the precision is set)
 from jax_md import space  # noqa: E402
 from jax_md.mm_forcefields.amber import constraints as held  # noqa: E402
 
-from shared import (Case, EngineStopped, force_function, moving, nearest_images, not_offered,  # noqa: E402
-                    row_steps, start_velocities, wants_refusal)
+from forces import force_function  # noqa: E402
+from shared import (  # noqa: E402
+    Case, EngineStopped, moving, nearest_images, not_offered, row_steps, start_velocities, wants_refusal)
 
 VARIANTS: Dict[str, Dict[str, Any]] = {"settle_and_ccma": {}}
 

@@ -2,8 +2,7 @@
 
 fix shake and fix rattle hold stars of up to four atoms and triangles of two equal bonds; fix rigid holds what its bonds
 make a rigid body. The command is `lmp`, or what LAMMPS_COMMAND names (TAUT_LAMMPS_COMMAND for fix taut);
-`rattle_older` is always run by `lmp`.
-"""
+`rattle_older` is always run by `lmp`."""
 
 from __future__ import annotations
 
@@ -19,7 +18,9 @@ from typing import Any, Dict, List
 import numpy as np
 from lammps_input import Unsayable, write_case
 
-from shared import BAR, clusters, force_function, is_rigid, moving, nearest_images, not_offered, row_steps, tensions_from, wants_refusal, whole
+from forces import force_function
+from shared import (
+    BAR, clusters, is_rigid, moving, nearest_images, not_offered, row_steps, tensions_from, wants_refusal, whole)
 
 VARIANTS: Dict[str, Dict[str, Any]] = {
     "shake": {"fix": "shake"},

@@ -7,7 +7,8 @@ from typing import Any, Dict, List
 
 import numpy as np
 
-from shared import BOLTZMANN, COULOMB, clusters, start_velocities
+from forces import COULOMB
+from shared import BOLTZMANN, clusters, start_velocities
 
 Case = Dict[str, Any]
 FAR = 1e4  # nm: half the edge of the box of a case that has none

@@ -12,7 +12,8 @@ from typing import Any, Dict, List
 import mujoco
 import numpy as np
 
-from shared import Case, EngineStopped, force_function, moving, not_offered, row_steps, start_velocities, wants_refusal
+from forces import force_function
+from shared import Case, EngineStopped, moving, not_offered, row_steps, start_velocities, wants_refusal
 
 VARIANTS: Dict[str, Dict[str, Any]] = {"tendons_rk4": {"integrator": "RK4"}, "tendons_euler": {"integrator": "Euler"}}
 

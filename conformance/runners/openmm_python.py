@@ -15,7 +15,7 @@ from typing import Any, Dict, List
 import numpy as np
 import openmm as mm
 from openmm.app import StateDataReporter
-from openmm_system import make_system
+from openmm_system import make_system, read, step_back
 
 from shared import EngineStopped, fill_sites, not_offered, row_steps, start_velocities, wants_refusal
 
@@ -31,6 +31,7 @@ VARIANTS: Dict[str, Dict[str, Any]] = {
     "taut_feedforward": {"platform": "Reference", "scheme": "feedforward"},
 }
 TAUTS = ("newton", "feedforward")
+KEYS = ("positions_nm", "velocities_nm_per_ps", "potential_kj_per_mol", "kinetic_kj_per_mol")
 Result = Dict[str, Any]
 
 
@@ -119,26 +120,6 @@ def run_context(case: Result, of: Result) -> Result:
     if not np.isfinite(rows["positions_nm"][-1]).all():
         raise mm.OpenMMException("Particle coordinate is NaN")
     return {"rows": rows, "degrees_of_freedom": counter._dof}
-
-
-def step_back(context: mm.Context, case: Result, x: np.ndarray, v: np.ndarray, h: float) -> np.ndarray:
-    """The velocity half a step before: minus that of half a step after in the motion turned round."""
-    masses = np.array(case["system"]["masses_u"], dtype=float)[:, None]
-    f = np.array(context.getState(forces=True).getForces(asNumpy=True)._value)
-    context.setVelocities(-v - 0.5 * h * np.divide(f, masses, where=masses > 0, out=np.zeros_like(f)))
-    context.getIntegrator().step(1)
-    before = -read(context)[1]
-    context.setPositions(x)
-    return before
-
-
-KEYS = ("positions_nm", "velocities_nm_per_ps", "potential_kj_per_mol", "kinetic_kj_per_mol")
-
-
-def read(context: mm.Context) -> List[Any]:
-    state = context.getState(positions=True, velocities=True, energy=True)
-    return [np.array(state.getPositions(asNumpy=True)._value), np.array(state.getVelocities(asNumpy=True)._value),
-            state.getPotentialEnergy()._value, state.getKineticEnergy()._value]
 
 
 def run(case: Result, variant: str) -> Result:

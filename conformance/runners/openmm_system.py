@@ -1,9 +1,10 @@
-"""A case's system as OpenMM's System, which takes its units and nearly all its forces as they are."""
+"""A case's system as OpenMM's System, which takes its units and nearly all its forces as they are; and its state, read."""
 
 from __future__ import annotations
 
-from typing import Any, Dict
+from typing import Any, Dict, List
 
+import numpy as np
 import openmm as mm
 
 Result = Dict[str, Any]
@@ -63,3 +64,20 @@ def make_system(case: Result) -> mm.System:
         system.setDefaultPeriodicBoxVectors(*[mm.Vec3(*row) for row in case["system"]["box_nm"]])
     add_forces(case, system)
     return system
+
+
+def read(context: mm.Context) -> List[Any]:
+    state = context.getState(positions=True, velocities=True, energy=True)
+    return [np.array(state.getPositions(asNumpy=True)._value), np.array(state.getVelocities(asNumpy=True)._value),
+            state.getPotentialEnergy()._value, state.getKineticEnergy()._value]
+
+
+def step_back(context: mm.Context, case: Result, x: np.ndarray, v: np.ndarray, h: float) -> np.ndarray:
+    """The velocity half a step before: minus that of half a step after in the motion turned round."""
+    masses = np.array(case["system"]["masses_u"], dtype=float)[:, None]
+    f = np.array(context.getState(forces=True).getForces(asNumpy=True)._value)
+    context.setVelocities(-v - 0.5 * h * np.divide(f, masses, where=masses > 0, out=np.zeros_like(f)))
+    context.getIntegrator().step(1)
+    before = -read(context)[1]
+    context.setPositions(x)
+    return before

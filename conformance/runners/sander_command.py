@@ -18,7 +18,8 @@ from typing import Any, Dict
 import numpy as np
 from sander_files import read_restart, write_restart, write_topology
 
-from shared import Case, EngineStopped, force_function, moving, not_offered, row_steps, start_velocities, wants_refusal
+from forces import force_function
+from shared import Case, EngineStopped, moving, not_offered, row_steps, start_velocities, wants_refusal
 
 VARIANTS: Dict[str, Dict[str, Any]] = {"shake": {}, "shake_default_tolerance": {"tolerance": 1e-5}}
 
