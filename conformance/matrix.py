@@ -14,14 +14,15 @@ from typing import Any, Dict, List
 
 HERE = Path(__file__).resolve().parent
 Verdict = Dict[str, Any]
-ORDER = ("taut_python", "taut_command", "openmm", "lammps", "gromacs", "ase", "sander", "cp2k", "ipi", "jaxmd", "mujoco", "exudyn")
+ORDER = ("taut_python", "taut_command", "openmm", "lammps", "gromacs", "ase", "sander", "cp2k", "jaxmd", "mujoco", "exudyn")
 WORSE = ("passed", "undecided", "not offered", "refused", "failed")
 
 
 def read_results() -> List[Dict[str, Any]]:
     results = [json.loads(path.read_text(encoding="utf-8")) for path in sorted((HERE / "results").glob("*.json"))]
     place = {name: k for k, name in enumerate(ORDER)}
-    results.sort(key=lambda one: min([k for name, k in place.items() if one["about"]["runner"].startswith(name)], default=99))
+    results.sort(key=lambda one: min(
+        [k for name, k in place.items() if one["about"]["runner"].startswith(name)], default=99))
     for one in results:
         for verdict in one["verdicts"]:
             verdict["verdict"] = judge_again(verdict)
@@ -99,7 +100,8 @@ def case_table(results: List[Dict[str, Any]], group: str, cases: List[str]) -> L
 def reason_of(reasons: List[Dict[str, str]], name: str, verdict: Verdict) -> Dict[str, str]:
     for one in reasons:
         if (re.search(one.get("who", ""), name) and re.search(one.get("case", ""), verdict["case"])
-                and re.search(one.get("what", ""), verdict["what"]) and re.search(one.get("said", ""), verdict.get("why", ""))):
+                and re.search(one.get("what", ""), verdict["what"])
+                and re.search(one.get("said", ""), verdict.get("why", ""))):
             return one
     return {"why": "not looked into"}
 
@@ -129,8 +131,8 @@ def main() -> int:
     reasons = json.loads((HERE / "reasons.json").read_text(encoding="utf-8"))
     text = ["# Who holds rigid bonds right: the matrix", "", "Made by `matrix.py` from `results/`; the cases and what they ask are "
             "described in [README.md](README.md).", "", (HERE / "telling.md").read_text(encoding="utf-8").strip(), "",
-            "## Who was run", "", "Numbers count what the cases ask. `–` not offered by the engine, `r` refused with a message, `?` the "
-            "mean is right within four standard errors, which are larger than the case allows.", "",
+            "## Who was run", "", "Numbers count what the cases ask. Not offered: the engine has no words for it, or its runner "
+            "does not write them. Signs: `–` not offered, `r` refused with a message, `?` the mean is right within four standard errors, which are larger than the case allows.", "",
             *count_table(results, groups), "", "## Cases", "", "A number is how many times the error is larger than the case "
             "allows, of the worst that it asks; ✗ has no number: NaN, an engine that broke off, or no refusal. Empty: not run.", ""]
     for group, cases in groups.items():
@@ -139,7 +141,8 @@ def main() -> int:
     (HERE / "MATRIX.md").write_text("\n".join(text).rstrip() + "\n", encoding="utf-8")
     open_ones = [f"{label(one)} {v['case']} {v['what']}" for one in results for v in one["verdicts"]
                  if v["verdict"] == "failed" and reason_of(reasons, label(one), v)["why"] == "not looked into"]
-    print(f"{len(results)} results; {len(open_ones)} failures without a reason" + "".join(f"\n  {one}" for one in open_ones[:40]))
+    print(f"{len(results)} results; {len(open_ones)} failures without a reason")
+    print("\n".join(open_ones[:40]))
     return 0
 
 

@@ -1,4 +1,7 @@
-"""A case as the lines of a LAMMPS input and data file. `units lj` has no constants: nm, ps, u and kJ/mol fit as they are."""
+"""A case as the lines of a LAMMPS input and data file.
+
+`units lj` has no constants: nm, ps, u and kJ/mol fit as they are.
+"""
 
 from __future__ import annotations
 
@@ -110,7 +113,7 @@ def force_lines(case: Case, number: int, force: Case) -> List[str]:
 
 
 def write_case(case: Case, folder: Any, shift: Any) -> Dict[str, Any]:
-    """Writes the data file, with positions shifted by box vectors; returns the lines before and of the forces, and the rigid types."""
+    """Writes the data file, with positions shifted by box vectors; returns the input's lines and the rigid types."""
     system, topology = case["system"], Topology(case)
     masses, count = system["masses_u"], len(system["masses_u"])
     add_rigid_bonds(case, topology)

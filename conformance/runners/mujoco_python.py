@@ -1,8 +1,8 @@
 """MuJoCo: bonds as spatial tendons of fixed length, held by equality constraints, which MuJoCo makes soft on purpose.
 
-Atoms are bodies with three slides; forces are handed over before each step. Integrator implicitfast, the default, would be
-of first order; RK4 is what the manual recommends for energy. solref is [2h, 1], the stiffest that the manual allows;
-solimp [0.9999, 0.9999, 0.001], near the hard end of its range. Tendon and body are of MuJoCo's own XML.
+Atoms are bodies with three slides; forces are handed over wherever MuJoCo asks for them. RK4 keeps energy better than
+the default, Euler. solref is [2h, 1], the stiffest that the manual allows; solimp [0.9999, 0.9999, 0.001] is near the
+hard end of its range.
 """
 
 from __future__ import annotations

@@ -40,7 +40,8 @@ def move(case: Case, folder: Path, x: np.ndarray, v: np.ndarray, steps: int, tol
     """Positions and the velocities half a step before, by step."""
     write_restart(folder / "inpcrd", x, v)
     (folder / "mdin").write_text(
-        f"case\n &cntrl imin=0, irest=1, ntx=5, ntt=0, ntb=0, igb=6, cut=9999.0, nstlim={steps}, dt={case['run']['step_ps']!r}, "
+        f"case\n &cntrl imin=0, irest=1, ntx=5, ntt=0, ntb=0, igb=6, cut=9999.0, nstlim={steps}, "
+        f"dt={case['run']['step_ps']!r}, "
         f"ntc=2, ntf=1, tol={tolerance:.3e}, jfastw=4, vlimit=-1.0, nscm=0, ntpr={steps}, ntwr=-1, ntxo=2, ntwx=0, &end\n")
     done = subprocess.run([command(), "-O", "-i", "mdin", "-p", "prmtop", "-c", "inpcrd", "-r", "restrt", "-o", "mdout"],
                           cwd=folder, capture_output=True, text=True, check=False)
