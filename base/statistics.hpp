@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -60,7 +61,7 @@ class RunningMean {
 
  private:
   static constexpr int kMost = 32;
-  static constexpr long kLongest = 1L << 56;  // more steps than anybody takes
+  static constexpr long kLongest = std::numeric_limits<long>::max() / 128;  // more steps than anybody takes
 
   void add_to_open(double y, long steps);
 
