@@ -14,4 +14,11 @@ rm -rf build/site build/site.cache  # a cached page would hide its warnings
 PYTHONPATH=build/python "$venv/bin/python" -m sphinx -q -W --keep-going -d build/site.cache -c docs . build/site
 # The front page of a folder of pages.
 printf '<meta http-equiv="refresh" content="0; url=docs/index.html">\n' > build/site/index.html
+# The laboratory, where emscripten is.
+if command -v em++ >/dev/null; then
+  docs/lab/make.sh
+  cp -r build/lab build/site/docs/lab/page
+else
+  echo "docs/make.sh: em++ is missing (emscripten): the site is without its laboratory" >&2
+fi
 echo "docs/make.sh: build/site/index.html"

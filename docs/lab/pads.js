@@ -29,10 +29,10 @@ class GainsPad {
     });
   }
 
-  // Inside the triangle and a little beyond, where errors grow: to be seen, too.
+  // The nearest place on the triangle or inside: gains beyond it are refused.
   choose([trace, determinant], asks) {
-    determinant = Math.min(1, Math.max(-0.995, determinant));
-    trace = Math.min(2, Math.max(-2.2, Math.min(trace, 1 + determinant)));
+    determinant = Math.min(1, Math.max(-0.99, determinant));
+    trace = Math.max(-0.999 * (1 + determinant), Math.min(trace, 1 + determinant));
     this.chosen(trace, determinant, asks);
   }
 

@@ -1,4 +1,4 @@
-# Spack's recipe, var/spack/repos/.../packages/taut/package.py. The url and the checksum are the public tag's.
+# Spack's recipe, the file of a package `taut`. The address and the checksum are the public tag's.
 from spack.package import *
 
 
