@@ -16,10 +16,17 @@
 #include "constraints/bond_algebra.hpp"
 #include "constraints/direct_solver.hpp"
 #include "constraints/methods/baumgarte.hpp"
+#include "files/resources.hpp"
 #include "simulation/simulation.hpp"
 #include "systems/scene/scene_file.hpp"
 
 namespace taut {
+
+// What comes with taut, for a page: its files are at the root.
+std::filesystem::path resource_folder(const std::string&) {
+  return "/";
+}
+
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();

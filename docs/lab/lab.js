@@ -52,7 +52,7 @@ class Laboratory {
     this.origin = null;
     this.base = {energy: null, work: 0, heat: 0};
     this.last = null;
-    for (const name of ["whatif"]) this.errors.remove(name);
+    this.errors.remove("whatif");
     this.asked = {x: [], rms: []};
     this.errors.zoom = this.energy.zoom = null;
   }
@@ -62,7 +62,7 @@ class Laboratory {
     for (const row of rows) {
       if (this.origin === null) this.origin = row.step;
       const x = row.step - this.origin;
-      c.x.push(x); c.rms.push(row.rms); c.foretold.push(row.foretold);
+      c.x.push(x); c.rms.push(row.rms); c.foretold.push(row.foretold > 1e-16 ? row.foretold : NaN);
       if (Number.isNaN(row.potential)) continue;
       const heat = row.heat + this.base.heat, work = row.work + this.base.work, but = row.potential + row.kinetic - heat;
       if (this.base.energy === null) this.base.energy = but - work;

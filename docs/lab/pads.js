@@ -59,10 +59,8 @@ class GainsPad {
     pen.font = "12px system-ui, sans-serif";
     pen.fillStyle = css("--muted");
     pen.textAlign = "center"; pen.textBaseline = "middle";
-    pen.fillText("errors swing and die", px(0), py(0.62));
-    pen.fillText("one by one", px(0), py(-0.62));
-    pen.fillText("trace", px(1.55), py(-1.03));
-    pen.fillText("det", px(-2.05), py(0.78));
+    pen.fillText("trace →", px(1.7), py(-1.0));
+    pen.fillText("det ↑", px(-1.9), py(-1.0));
     for (const {name, trace, determinant, side} of this.marks) {
       pen.fillStyle = css("--ink");
       pen.beginPath(); pen.arc(px(trace), py(determinant), 2.5, 0, 7); pen.fill();

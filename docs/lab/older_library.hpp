@@ -1,14 +1,31 @@
 #pragma once
 
-// The algorithms of std::ranges that the engine takes, for emscripten's libc++ of 2022 (3.1.6, Debian 12), which has
-// the ranges but not these. Compiled before every file of the laboratory; empty with a library that has them.
+// What the engine takes of C++20's library and emscripten's libc++ of 2022 (3.1.6, Debian 12) lacks: algorithms of
+// std::ranges, and from_chars of double numbers. Compiled before every file of the laboratory; empty with a library that
+// has them.
 
 #include <algorithm>
+#include <charconv>
+#include <cstdlib>
 #include <functional>
 #include <iterator>
+#include <string>
 #include <utility>
 
 #if defined(_LIBCPP_VERSION) && _LIBCPP_VERSION < 15000
+namespace std {
+// Of numbers in decimal digits, as files have them.
+inline from_chars_result from_chars(const char* first, const char* last, double& value) {
+  const string text(first, last);
+  if (text.empty() || text[0] == ' ' || text[0] == '+') return {first, errc::invalid_argument};
+  char* end = nullptr;
+  const double read = strtod(text.c_str(), &end);
+  if (end == text.c_str()) return {first, errc::invalid_argument};
+  value = read;
+  return {first + (end - text.c_str()), errc()};
+}
+}  // namespace std
+
 namespace std::ranges {
 
 // What a range's iterators and a projection give to an algorithm of std.
