@@ -1,7 +1,7 @@
 #pragma once
 
 // What the engine takes of C++20's library and emscripten's libc++ of 2022 (3.1.6, Debian 12) lacks: algorithms of
-// std::ranges, and from_chars of double numbers. Compiled before every file of the laboratory; empty with a library that
+// std::ranges, bit_cast, and from_chars of double numbers. Compiled before every file of the laboratory; empty with a library that
 // has them.
 
 #include <algorithm>
@@ -14,6 +14,11 @@
 
 #if defined(_LIBCPP_VERSION) && _LIBCPP_VERSION < 15000
 namespace std {
+template <class To, class From>
+constexpr To bit_cast(const From& from) noexcept {
+  return __builtin_bit_cast(To, from);
+}
+
 // Of numbers in decimal digits, as files have them.
 inline from_chars_result from_chars(const char* first, const char* last, double& value) {
   const string text(first, last);
