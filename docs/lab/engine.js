@@ -43,7 +43,10 @@ class Run {
   // Takes steps, with energies every so many. Returns the rows, and what went wrong if something did.
   advance(steps, every) {
     const answer = this.engine.call("lab_advance", "number", ["number", "number", "number"], [this.pointer, steps, every]);
-    const count = answer < 0 ? -1 - answer : answer;
+    return {rows: this.rows(answer < 0 ? -1 - answer : answer), failed: answer < 0 ? this.engine.call("lab_said", "string") : null};
+  }
+
+  rows(count) {
     const at = this.engine.call("lab_rows", "number", ["number"], [this.pointer]) / 8;
     const heap = this.engine.module.HEAPF64;
     const rows = [];
@@ -52,10 +55,14 @@ class Run {
       ROW.forEach((name, c) => { row[name] = heap[at + k * ROW.length + c]; });
       rows.push(row);
     }
-    return {rows, failed: answer < 0 ? this.engine.call("lab_said", "string") : null};
+    return rows;
   }
 
-  push(size) { this.engine.call("lab_push", null, ["number", "number"], [this.pointer, size]); }
+  // Stretches the bonds; returns the row of that instant.
+  push(size) {
+    this.engine.call("lab_push", null, ["number", "number"], [this.pointer, size]);
+    return this.rows(1);
+  }
 
   positions() {
     const at = this.engine.call("lab_positions", "number", ["number"], [this.pointer]) / 8;

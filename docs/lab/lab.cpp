@@ -59,9 +59,9 @@ std::vector<Law> laws_of_method(const Simulation& sim) {
 // σ₊ = trace σ − determinant σ₋ (constraints/methods/propagator.hpp).
 class Lab {
  public:
-  explicit Lab(Scene scene) : sim_(std::make_unique<Simulation>(std::move(scene), 1)), laws_(laws_of_method(*sim_)) {
+  explicit Lab(Scene scene)
+      : sim_(std::make_unique<Simulation>(std::move(scene), 1)), laws_(laws_of_method(*sim_)) {
     sigma_ = errors();
-    row_.rms = rms(sigma_);
   }
 
   // The same run with the settings of another scene: the same method goes on with what it keeps, in mid-flight, and
@@ -69,7 +69,8 @@ class Lab {
   Lab(const Lab& from, Scene scene) {
     Simulation& old = *from.sim_;
     const RunSettings run = scene.run;
-    goes_on_ = scene.method.name() == old.scene().method.name() && run.dt_fs == old.scene().run.dt_fs && go_on(old, scene);
+    goes_on_ = scene.method.name() == old.scene().method.name() && run.dt_fs == old.scene().run.dt_fs &&
+               go_on(old, scene);
     if (!goes_on_) {
       scene.start = old.state_to_write();
       scene.velocities_drawn = false;
@@ -81,7 +82,6 @@ class Lab {
     }
     laws_ = laws_of_method(*sim_);
     sigma_ = errors();
-    row_.rms = rms(sigma_);
     if (goes_on_ && from.sigma_before_.size() > 0 && !laws_.empty()) {
       foretold_before_ = from.sigma_before_;
       foretold_ = sigma_;
@@ -122,9 +122,11 @@ class Lab {
     solver.solve(g);
     add_constraint_acceleration(sys, r, g, s.x);
     sigma_ = errors();
-    row_.rms = rms(sigma_);
     foretold_before_ = foretold_ = {};
     pushed_ = true;
+    recorded_ = -1;
+    rows_.clear();
+    keep_row();
   }
 
   std::string about() const {
@@ -209,7 +211,8 @@ class Lab {
       foretold_ = sigma_;
     } else if (foretold_.size() > 0) {
       Eigen::VectorXd next(foretold_.size());
-      for (Eigen::Index k = 0; k < next.size(); ++k) next[k] = laws_[k].decay.next(foretold_[k], foretold_before_[k]);
+      for (Eigen::Index k = 0; k < next.size(); ++k)
+        next[k] = laws_[k].decay.next(foretold_[k], foretold_before_[k]);
       foretold_before_ = foretold_;
       foretold_ = next;
     }
@@ -283,6 +286,7 @@ EMSCRIPTEN_KEEPALIVE void lab_law(double ah, double bh, int damping, double* int
   const taut::Propagator law(ah, bh, taut::kDampings[damping]);
   const auto roots = law.roots();
   into[0] = roots[0].real(), into[1] = roots[0].imag(), into[2] = roots[1].real(), into[3] = roots[1].imag();
-  into[4] = law.trace, into[5] = law.determinant, into[6] = taut::stability_limit(ah, taut::kDampings[damping]);
+  into[4] = law.trace, into[5] = law.determinant,
+  into[6] = taut::stability_limit(ah, taut::kDampings[damping]);
 }
 }

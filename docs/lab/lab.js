@@ -100,9 +100,9 @@ class Laboratory {
   push() {
     if (!this.run) return;
     this.ask(null);
-    this.run.push(10 ** Number($("size").value));
+    const rows = this.run.push(10 ** Number($("size").value));
     this.clearCurves();
-    this.base.energy = null;
+    this.take(rows);
     this.draw();
   }
 
