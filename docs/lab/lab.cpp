@@ -2,8 +2,10 @@
 // text; engine.js is its other side. A page writes scenes as files of taut's own TOML and gives their names.
 
 #include <emscripten.h>
+#include <hwy/base.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -19,6 +21,13 @@
 #include "files/resources.hpp"
 #include "simulation/simulation.hpp"
 #include "systems/scene/scene_file.hpp"
+
+// Highway's own is in a library that is not compiled for WebAssembly.
+namespace hwy {
+void Abort(const char*, int, const char*, ...) {
+  std::abort();
+}
+}  // namespace hwy
 
 namespace taut {
 
