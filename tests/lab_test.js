@@ -2,12 +2,12 @@
 // The laboratory's engine (docs/lab), run in Node, beside the command: every scene under every method, and every dial, to
 // the same energies and bond errors row by row.
 //
-// node tests/lab_test.js TAUT FOLDER     FOLDER is build/lab; exits with 77 where docs/lab/make.sh has not made it
+// node tests/lab_test.js TAUT FOLDER [SCENE...]     FOLDER is build/lab; exits with 77 where docs/lab/make.sh has not made it
 
 const {execFileSync} = require("child_process");
 const fs = require("fs"), os = require("os"), path = require("path");
 
-const [taut, built] = process.argv.slice(2);
+const [taut, built, ...only] = process.argv.slice(2);
 if (!fs.existsSync(path.join(built, "taut_lab.js"))) {
   console.log(`${built}/taut_lab.js is not there: docs/lab/make.sh makes it`);
   process.exit(77);
@@ -61,7 +61,8 @@ function compare(engine, settings, name, bound = 1e-9) {
 
 (async () => {
   const engine = await Engine.load(require(path.resolve(built, "taut_lab.js")), files);
-  for (const [scene] of S.SCENES) {
+  const scenes = S.SCENES.filter(([name]) => only.length === 0 || only.includes(name));
+  for (const [scene] of scenes) {
     for (const method of S.METHODS) compare(engine, {...S.settingsOf(scene, files), method, tolerance: 1e-10}, `${scene}, ${method}`);
     const own = {...S.settingsOf(scene, files), tolerance: 1e-10};
     for (const damping of S.DAMPINGS) compare(engine, {...own, damping, ah: 0.1, bh: 1}, `${scene}, ${damping}`);
@@ -75,7 +76,7 @@ function compare(engine, settings, name, bound = 1e-9) {
   console.log(`${compared} runs beside the command's`);
 
   // What is foretold of a push is what bonds do under the law.
-  for (const [scene] of S.SCENES.filter(([name]) => name !== "fold")) {
+  for (const [scene] of scenes.filter(([name]) => name !== "fold")) {
     const run = engine.open(S.tomlOf({...S.settingsOf(scene, files), ah: 0.1, bh: 0.5, tolerance: 1e-14}, files));
     run.advance(20, 100);
     run.push(1e-6);
