@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -45,7 +46,7 @@ class Archive {
   }
 
   // A count that has room to go on counting.
-  void demand_count(long count) const { demand(0 <= count && count < 1L << 60); }
+  void demand_count(long count) const { demand(0 <= count && count <= std::numeric_limits<long>::max() / 8); }
 
   void finish() const { demand(rest_.empty()); }  // throws InputError where something is left to load
 

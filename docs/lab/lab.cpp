@@ -152,6 +152,7 @@ class Lab {
                           {"dof", sim_->dof().total()},
                           {"promised", sim_->method().promised_error()},
                           {"goes_on", goes_on_},
+                          {"anew", anew_},
                           {"notes", scene.notes}}
         .dump();
   }
@@ -168,7 +169,8 @@ class Lab {
       old.serialize(archive);
       sim_ = std::make_unique<Simulation>(std::move(scene), 1);
       sim_->restore(kept);
-    } catch (const InputError&) {  // another form of the method keeps something else
+    } catch (const InputError& e) {  // another form of the method keeps something else
+    anew_ = e.what();
       return false;
     }
     return true;
@@ -233,6 +235,7 @@ class Lab {
   Eigen::VectorXd sigma_, sigma_before_;        // σ/d² of every bond, now and a step ago
   Eigen::VectorXd foretold_, foretold_before_;  // empty: nothing is foretold
   bool pushed_ = false, goes_on_ = false;
+  std::string anew_;  // why it does not go on
   long steps_before_ = 0, recorded_ = -1;
   Row row_;
   std::vector<Row> rows_;
