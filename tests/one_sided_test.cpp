@@ -34,7 +34,7 @@ std::vector<Holder> holders() {
       {"rattle", Rattle::Options{{.tolerance = 1e-12}}, 1.1e-12},
       {"rattle_cold", Rattle::Options{{.tolerance = 1e-12}, false}, 1.1e-12},
       {"shake", Shake::Options{{.tolerance = 1e-12}}, 1.1e-12},
-      {"baumgarte", Baumgarte::Options{}, 1e-4},
+      {"baumgarte", Baumgarte::Options{.tolerance = 1e-12}, 1e-4},
       {"baumgarte_swept", Baumgarte::Options{.gains = "dead-beat", .sweeps = 60, .extrapolation = 0}, 1e-4}};
 }
 class OneSided : public ::testing::TestWithParam<Holder> {};

@@ -139,7 +139,8 @@ TEST(SceneErrors, StrutsRopesAndSprings) {
                  {{{"method.name=lincs"},
                    "method \"lincs\" holds no one-sided bonds (at_least, at_most), and there are 1: "
                    "expected none, baumgarte, shake, rattle"}});
-  EXPECT_EQ(read(rope.text).method.name(), "rattle");
+  const std::string by_default = rope.text.substr(0, rope.text.find("[method]"));
+  EXPECT_EQ(read(by_default).method.name(), "rattle");
   expect_said(rope, {{"steps = 20", "minimise = true", "run.minimise: moves atoms through one-sided bonds"}});
 }
 

@@ -116,6 +116,7 @@ TEST(Fold, StrutsKeepItsLayersApart) {
   EXPECT_EQ(scene.system.one_sided.size(), 15u);
   Scene without = scene;
   without.system.one_sided.clear();
+  without.method = default_options("newton");
   EXPECT_LT(nearest_layers(without), 0);
   EXPECT_LT(nearest_layers(read_scene(world("fold"), {"method.name=none"})), 0.5);
   EXPECT_GT(nearest_layers(scene), 1 - 1e-9);
