@@ -3,11 +3,14 @@
 #include <fmt/format.h>
 
 #include <Eigen/QR>
+#include <Eigen/SVD>
 #include <algorithm>
+#include <iterator>
 #include <map>
 
 #include "base/random.hpp"
 #include "constraints/bond_algebra.hpp"
+#include "constraints/bond_graph.hpp"
 #include "constraints/direct_solver.hpp"
 
 namespace taut {
@@ -60,6 +63,97 @@ std::vector<int> follow_from_those_before(const System& sys, const std::vector<i
   return following;
 }
 
+// A row of J for each of some bonds, of unit vectors along them: how displacements of their mobile atoms along the
+// columns of `span` change the lengths. place: of each mobile atom.
+Eigen::MatrixXd length_rows(const System& sys, const std::vector<int>& bonds, const std::map<int, int>& place,
+                            const Eigen::MatrixXd& span, const Vectors& x) {
+  const Eigen::Index dims = span.cols();
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(std::ssize(bonds), dims * std::ssize(place));
+  for (Eigen::Index b = 0; b < rows.rows(); ++b) {
+    const auto& [i, j, d] = sys.bonds[bonds[b]];
+    const Eigen::RowVectorXd along = (x.col(j) - x.col(i)).normalized().transpose() * span;
+    if (sys.mass[i] > 0) rows.block(b, dims * place.at(i), 1, dims) = -along;
+    if (sys.mass[j] > 0) rows.block(b, dims * place.at(j), 1, dims) = along;
+  }
+  return rows;
+}
+
+struct AtomsOfBonds {
+  std::vector<int> all;      // each once
+  std::map<int, int> place;  // of the mobile ones, counted from 0
+};
+AtomsOfBonds atoms_of(const System& sys, const std::vector<int>& bonds) {
+  AtomsOfBonds atoms;
+  for (const int k : bonds)
+    for (const int a : {sys.bonds[k].i, sys.bonds[k].j}) atoms.all.push_back(a);
+  std::ranges::sort(atoms.all);
+  atoms.all.erase(std::unique(atoms.all.begin(), atoms.all.end()), atoms.all.end());
+  for (const int a : atoms.all)
+    if (sys.mass[a] > 0) atoms.place.try_emplace(a, static_cast<int>(atoms.place.size()));
+  return atoms;
+}
+
+// Those of some independent bonds whose rows of J add up to the row of bond k.
+std::vector<int> bonds_that_imply(const System& sys, const std::vector<int>& bonds, int k, const Vectors& x) {
+  constexpr double kNone = 1e-6;
+  std::vector<int> with_k = bonds;
+  with_k.push_back(k);
+  const Eigen::MatrixXd rows =
+      length_rows(sys, with_k, atoms_of(sys, with_k).place, Eigen::Matrix3d::Identity(), x);
+  const Eigen::VectorXd shares = rows.topRows(std::ssize(bonds))
+                                     .transpose()
+                                     .completeOrthogonalDecomposition()
+                                     .solve(rows.bottomRows(1).transpose());
+  std::vector<int> implying;
+  for (std::size_t b = 0; b < bonds.size(); ++b)
+    if (std::abs(shares[static_cast<Eigen::Index>(b)]) > kNone) implying.push_back(bonds[b]);
+  return implying;
+}
+
+// The plane or the space that points lie in, as columns; fewer than two for a line.
+Eigen::MatrixXd span_of(const Eigen::Matrix3Xd& points) {
+  const Eigen::Matrix3Xd centred = points.colwise() - points.rowwise().mean();
+  const Eigen::JacobiSVD<Eigen::Matrix3Xd> svd(centred, Eigen::ComputeFullU);
+  const auto& extent = svd.singularValues();
+  return svd.matrixU().leftCols((extent.array() > 1e-6 * extent[0]).count());
+}
+
+// Whether bond k, which follows from those of a circuit at x, does so wherever they let its atoms move, and they do let
+// it change its shape. It moves by a tenth of a bond in a random direction that they allow to first order, and is then
+// brought back to their lengths by least squares.
+bool follows_along_motion(const System& sys, const std::vector<int>& circuit, int k, const Vectors& x) {
+  const AtomsOfBonds atoms = atoms_of(sys, circuit);
+  const Eigen::MatrixXd span = span_of(x(Eigen::all, atoms.all));
+  if (span.cols() < 2) return false;
+  const auto move = [&](const Eigen::VectorXd& by, Vectors& moved) {
+    for (const auto& [a, at] : atoms.place) moved.col(a) += span * by.segment(span.cols() * at, span.cols());
+  };
+  const auto length = [&](int bond, const Vectors& at) {
+    return (at.col(sys.bonds[bond].j) - at.col(sys.bonds[bond].i)).norm();
+  };
+  const double d = length(k, x);
+  Random random(1);
+  Eigen::VectorXd motion(span.cols() * std::ssize(atoms.place));
+  for (double& number : motion) number = random.normal_vector().x();
+  const Eigen::MatrixXd held = length_rows(sys, circuit, atoms.place, span, x);
+  motion -= held.completeOrthogonalDecomposition().solve(held * motion).eval();
+  Vectors moved = x;
+  move(0.1 * d / std::max(motion.cwiseAbs().maxCoeff(), 1e-3) * motion, moved);
+  Eigen::VectorXd off(std::ssize(circuit));
+  for (int n = 0; n < 50; ++n) {
+    for (Eigen::Index b = 0; b < off.size(); ++b) off[b] = length(circuit[b], x) - length(circuit[b], moved);
+    if (off.cwiseAbs().maxCoeff() < 1e-12 * d) break;
+    move(length_rows(sys, circuit, atoms.place, span, moved).completeOrthogonalDecomposition().solve(off),
+         moved);
+  }
+  if (!(off.cwiseAbs().maxCoeff() < 1e-9 * d) || !(std::abs(length(k, moved) - d) < 1e-8 * d)) return false;
+  for (const int a : atoms.all)
+    for (const int b : atoms.all)
+      if (std::abs((moved.col(a) - moved.col(b)).norm() - (x.col(a) - x.col(b)).norm()) > 1e-3 * d)
+        return true;
+  return false;
+}
+
 std::string list_of(const std::vector<int>& bonds, const System& sys) {
   constexpr std::size_t kShown = 4;
   std::string text;
@@ -95,7 +189,15 @@ Redundancy find_redundancy(const System& sys, const Vectors& x) {
   std::vector<char> follows(sys.bond_count(), false);
   for (const auto& [cluster, bonds] : clusters)
     for (const int k : follow_from_those_before(sys, bonds, shaken)) follows[k] = true;
-  for (const int k : here) (follows[k] ? found.redundant : found.degenerate).push_back(k);
+  const auto follows_here_and_beyond = [&](int k) {
+    const std::vector<int>& bonds = clusters.at(cluster_of[k]);
+    std::vector<int> independent;
+    std::ranges::copy_if(bonds, std::back_inserter(independent),
+                         [&](int other) { return !left_over[other]; });
+    return follows_along_motion(sys, bonds_that_imply(sys, independent, k, x), k, x);
+  };
+  for (const int k : here)
+    (follows[k] || follows_here_and_beyond(k) ? found.redundant : found.degenerate).push_back(k);
   for (int k = 0; k < sys.bond_count(); ++k)  // bonds that the direct solver found independent
     if (follows[k] && !left_over[k]) found.redundant.push_back(k);
   return found;

@@ -9,13 +9,17 @@ namespace taut {
 
 // A is singular if a bond's length follows from the lengths of other bonds. There are two cases, which are
 // told apart by displacing the atoms a little:
-// - redundant: the dependence remains after the displacement. The shape is overdetermined (methane with all ten
-//   distances held, a cube with all its diagonals). Such bonds may be left out; the motion is the same.
-// - degenerate: the dependence exists only in this placement, or as the bonds let it move (a straight angle held by a
-//   1–3 bond, a fully braced flat ring, three parallel cranks of a plate). No force along the bonds acts sideways here.
+// - redundant: the dependence remains after the displacement. The shape is overdetermined (methane with all
+//   ten
+//   distances held, a cube with all its diagonals). Such bonds may be left out; the motion is the same. So may those
+//   of a linkage that depend on others wherever it moves, as one of three parallel cranks of a plate. If it is flat, that
+//   holds for motion in its plane.
+// - degenerate: the dependence exists only in this placement (a straight angle held by a 1–3 bond, a fully
+//   braced
+//   flat ring). No force along the bonds acts sideways here, and leaving bonds out would not help.
 struct Redundancy {
   std::vector<int> redundant;   // bonds, each of which follows from the bonds that are not listed
-  std::vector<int> degenerate;  // bonds that follow from others in this placement
+  std::vector<int> degenerate;  // bonds that follow from others in this placement only
 
   bool none() const { return redundant.empty() && degenerate.empty(); }
   int rank(const System& sys) const {

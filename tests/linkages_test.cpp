@@ -11,6 +11,7 @@
 #include "constraints/methods/mshake.hpp"
 #include "constraints/methods/newton.hpp"
 #include "constraints/projection.hpp"
+#include "constraints/redundancy.hpp"
 #include "constraints/registry.hpp"
 #include "free_system.hpp"
 #include "md/observables.hpp"
@@ -188,6 +189,43 @@ TEST(LinkageFailures, ABondWhoseErrorStaysIsNamed) {
   const SolveStats stats = feedforward.add_forces(sys, Push::at_start(h), bent);
   EXPECT_EQ(stats.failure, Failure::kSingularOrTurned);
   EXPECT_GE(stats.worst_bond, 0);
+}
+
+// A plate on three parallel cranks, in their plane: six bonds on six coordinates that move all the same.
+Start plate_on_three_cranks() {
+  Start start;
+  Eigen::VectorXd mass(6);
+  mass << 0, 0, 0, 1, 2, 3;
+  State& s = start.state;
+  s.x = s.v = s.f = Vectors::Zero(3, 6);
+  s.x.leftCols(3) << 0, 1, 0.4,  //
+      0, 0, 0.5,                 //
+      0, 0, 0;
+  for (const int end : {3, 4, 5}) s.x.col(end) = s.x.col(end - 3) + Vec3(0.6, 0.8, 0);
+  std::vector<RigidBond> bonds;
+  for (const auto& [i, j] : std::vector<std::pair<int, int>>{{0, 3}, {1, 4}, {2, 5}, {3, 4}, {4, 5}, {3, 5}})
+    bonds.push_back({i, j, (s.x.col(j) - s.x.col(i)).norm()});
+  start.system = make_system(mass, bonds);
+  return start;
+}
+
+TEST(LinkageRedundancy, OfThreeParallelCranksIsThereWhereverTheyMove) {
+  const Start start = plate_on_three_cranks();
+  const Redundancy found = find_redundancy(start.system, start.state.x);
+  EXPECT_EQ(found.redundant.size(), 1u);
+  EXPECT_TRUE(found.degenerate.empty());
+}
+
+// Of another length the third would lock them: they do not move, and are braced in this placement alone.
+TEST(LinkageRedundancy, OfACrankThatLocksTheOthersIsNone) {
+  Start start = plate_on_three_cranks();
+  start.state.x.col(2) += 0.3 * (start.state.x.col(2) - start.state.x.col(5));
+  std::vector<RigidBond> bonds = start.system.bonds;
+  bonds[2].length *= 1.3;
+  start.system = make_system(start.system.mass, bonds);
+  const Redundancy found = find_redundancy(start.system, start.state.x);
+  EXPECT_TRUE(found.redundant.empty());
+  EXPECT_EQ(found.degenerate.size(), 1u);
 }
 
 }  // namespace
