@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""Checks all cases by schema.json, and what a schema cannot say: sizes, names, and starts that fulfil their bonds."""
+"""Checks all cases by schema.json, and what a schema cannot say: sizes, names, starts that fulfil their bonds; and that
+results are of what the cases ask today."""
 
 from __future__ import annotations
 
 import json
 import sys
 from pathlib import Path
-from typing import Any, Dict, List
+from typing import Any, Dict, List, Tuple
 
 import jsonschema
 import numpy as np
@@ -14,7 +15,8 @@ import numpy as np
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
 
-from quantities import bond_vectors  # noqa: E402  (its folder is no package)
+from keeping import read_results  # noqa: E402  (its folder is no package)
+from quantities import bond_vectors  # noqa: E402
 
 LARGEST_FILE = 30_000  # bytes
 
@@ -64,12 +66,30 @@ def find_faults_of_numbers(case: Dict[str, Any]) -> List[str]:
     return faults
 
 
+def find_stale(path: Path, asked: Dict[Tuple[str, str], Any]) -> List[str]:
+    """What results/*.json have of asks that are no more, or had another tolerance."""
+    faults = []
+    for one in read_results(path)["verdicts"]:
+        key = one["case"], one["what"]
+        if key not in asked:
+            faults.append(f"no case asks for {one['what']} of {one['case']}")
+        elif one.get("tolerance") and abs(one["tolerance"] / asked[key] - 1) > 0.01:
+            faults.append(f"{one['case']}: {one['what']} is judged by {one['tolerance']:g}, the case has {asked[key]:g}: run it again")
+    return faults
+
+
 def main() -> int:
     validator = jsonschema.Draft202012Validator(json.loads((HERE / "schema.json").read_text(encoding="utf-8")))
     paths = sorted(HERE.glob("cases/*/*.json"))
     faulty = 0
     for path in paths:
         for fault in find_faults(path, validator):
+            faulty += 1
+            print(f"{path.relative_to(HERE)}: {fault}")
+    asked = {(case["name"], ask["what"]): ask.get("tolerance")
+             for case in (json.loads(path.read_text(encoding="utf-8")) for path in paths) for ask in case["asks"]}
+    for path in sorted(HERE.glob("results/*.json")):
+        for fault in find_stale(path, asked):
             faulty += 1
             print(f"{path.relative_to(HERE)}: {fault}")
     print(f"{len(paths)} cases, {sum(path.stat().st_size for path in paths) // 1000} kB, {faulty} faults")

@@ -9,21 +9,28 @@ from __future__ import annotations
 import json
 import re
 import sys
+from collections import Counter, defaultdict
 from pathlib import Path
-from typing import Any, Dict, List
+from typing import Any, Dict, List, Tuple
 
 HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE))
+
+from keeping import read_results  # noqa: E402  (its folder is no package)
+
 Verdict = Dict[str, Any]
 ORDER = ("taut_python", "taut_command", "openmm", "lammps", "gromacs", "ase", "sander", "cp2k", "jaxmd", "mujoco", "exudyn")
+SOFT = ("taut_python:none", "taut_python:penalty", "mujoco_python:tendons_rk4")
 WORSE = ("passed", "undecided", "not offered", "refused", "failed")
 
 
-def read_results() -> List[Dict[str, Any]]:
-    results = [json.loads(path.read_text(encoding="utf-8")) for path in sorted((HERE / "results").glob("*.json"))]
+def read_all() -> List[Dict[str, Any]]:
+    results = [read_results(path) for path in sorted((HERE / "results").glob("*.json"))]
     place = {name: k for k, name in enumerate(ORDER)}
     results.sort(key=lambda one: min(
         [k for name, k in place.items() if one["about"]["runner"].startswith(name)], default=99))
-    for one in results:
+    for number, one in enumerate(results, 1):
+        one["number"] = number
         for verdict in one["verdicts"]:
             verdict["verdict"] = judge_again(verdict)
     return results
@@ -56,13 +63,15 @@ def cell(verdicts: List[Verdict]) -> str:
     worst = max(asked, key=lambda one: (WORSE.index(one["verdict"]), over(one)))
     if worst["verdict"] == "failed":
         times = over(worst)
-        return f"**{times:.0e}×**".replace("e+0", "e").replace("e+", "e") if 0 < times < float("inf") else "**✗**"
+        if times == float("inf") or worst["what"] == "refusal":
+            return "✗"
+        return "o" if times < 1 else f"{times:.1f}" if times < 9.95 else f"{times:.0e}".replace("e+0", "e").replace("e+", "e")
     return {"passed": "✓", "undecided": "?", "refused": "r", "not offered": "–"}[worst["verdict"]]
 
 
 def over(verdict: Verdict) -> float:
     """By how much an error is larger than allowed; an error without a number is infinite."""
-    if verdict["verdict"] != "failed" or verdict["kind"] == "refused":
+    if verdict["verdict"] != "failed":
         return 0.0
     error = verdict.get("error")
     return error / verdict["tolerance"] if error is not None else float("inf")
@@ -75,25 +84,42 @@ def read_groups() -> Dict[str, List[str]]:
     return groups
 
 
-def count_table(results: List[Dict[str, Any]], groups: Dict[str, List[str]]) -> List[str]:
-    lines = ["| | engine | version | settings | passed | failed | undecided | refused | not offered | cases run |",
-             "|---|---|---|---|---|---|---|---|---|---|"]
-    for number, one in enumerate(results, 1):
-        about, counts = one["about"], [sum(v["verdict"] == word for v in one["verdicts"])
-                                       for word in ("passed", "failed", "undecided", "refused", "not offered")]
-        known = {case for cases in groups.values() for case in cases}
-        done = len({v["case"] for v in one["verdicts"]} & known)
-        lines.append(f"| {number} | {about['engine']} `{about['variant']}` | {about['version']} | {about['settings']} | "
-                     + " | ".join(map(str, counts)) + f" | {done} of {len(known)} |")
+def count_table(results: List[Dict[str, Any]]) -> List[str]:
+    lines = ["|no.|engine and settings|passed|failed|undecided|refused|not offered|cases run|", "|---|---|---|---|---|---|---|---|"]
+    before = {"engine": "", "version": "", "settings": ""}
+    for one in results:
+        about = one["about"]
+        counts = [sum(v["verdict"] == word for v in one["verdicts"])
+                  for word in ("passed", "failed", "undecided", "refused", "not offered")]
+        called = "" if about["engine"] == before["engine"] and about["version"] == before["version"] else (
+            f"{about['engine']} {about['version']} ")
+        settings = "" if not called and about["settings"] == before["settings"] else f": {about['settings']}"
+        lines.append(f"|{one['number']}|{called}`{about['variant']}`{settings}|" + "|".join(map(str, counts))
+                     + f"|{len({v['case'] for v in one['verdicts']})}|")
+        before = about
     return lines
 
 
-def case_table(results: List[Dict[str, Any]], group: str, cases: List[str]) -> List[str]:
-    lines = [f"### {group}", "", f"| case | {' | '.join(str(k) for k in range(1, len(results) + 1))} |",
-             "|---|" + "---|" * len(results)]
-    for case in cases:
-        signs = [cell([v for v in one["verdicts"] if v["case"] == case]) for one in results]
-        lines.append(f"| {case} | {' | '.join(signs)} |")
+def case_tables(results: List[Dict[str, Any]], groups: Dict[str, List[str]]) -> List[str]:
+    """A row for each case that some engine does not pass, a column for each engine; alike columns are one."""
+    by_case = [defaultdict(list) for _ in results]
+    for gathered, one in zip(by_case, results):
+        for verdict in one["verdicts"]:
+            gathered[verdict["case"]].append(verdict)
+    columns: Dict[Tuple[str, ...], List[int]] = {}
+    names = [case for cases in groups.values() for case in cases]
+    for gathered, one in zip(by_case, results):
+        columns.setdefault(tuple(cell(gathered[case]) for case in names), []).append(one["number"])
+    rows = dict(zip(names, zip(*columns)))
+    alike = {case for case, signs in rows.items() if set(signs) <= {"✓", "–", ""}}
+    lines = [f"These {len(alike)} cases are passed by all that offer them:", ""]
+    lines += [f"- {group}: {', '.join(case for case in cases if case in alike)}"
+              for group, cases in groups.items() if alike & set(cases)]
+    lines += ["", f"The other {len(names) - len(alike)}:", "",
+              f"|case|{'|'.join(', '.join(map(str, numbers)) for numbers in columns.values())}|", "|---|" + "---|" * len(columns)]
+    for group, cases in groups.items():
+        lines += [f"|**{group}**|" + "|" * len(columns)]
+        lines += [f"|{case}|{'|'.join(rows[case])}|" for case in cases if case not in alike]
     return [*lines, ""]
 
 
@@ -107,40 +133,44 @@ def reason_of(reasons: List[Dict[str, str]], name: str, verdict: Verdict) -> Dic
 
 
 def failures(results: List[Dict[str, Any]], reasons: List[Dict[str, str]]) -> List[str]:
-    """For each engine its failures, gathered by their reason."""
-    lines = []
-    for number, one in enumerate(results, 1):
-        gathered: Dict[str, List[str]] = {}
+    """The reasons, each with how many asks of which engine it explains, and one of them."""
+    gathered: Dict[str, List[Tuple[int, Verdict]]] = {}
+    for one in results:
         for verdict in one["verdicts"]:
             if verdict["verdict"] == "failed":
-                reason = reason_of(reasons, label(one), verdict)
-                by = (f"{verdict['error']:.1e} of {verdict['tolerance']:.0e}" if verdict.get("error") is not None
-                      else re.sub(r"^the runner: EngineStopped: ", "", verdict.get("why", "not finite"))[:70])
-                gathered.setdefault(reason["why"], []).append(f"{verdict['case']} ({verdict['what']}: {by})")
-        if gathered:
-            lines += [f"**{number}. {one['about']['engine']} `{one['about']['variant']}`**", ""]
-            for why, cases in gathered.items():
-                shown = "; ".join(cases[:4]) + (f"; and {len(cases) - 4} more" if len(cases) > 4 else "")
-                lines.append(f"- {why} — {shown}")
-            lines.append("")
+                why = reason_of(reasons, label(one), verdict)["why"]
+                gathered.setdefault(why, []).append((one["number"], verdict))
+    lines = []
+    for why, found in gathered.items():
+        counts = Counter(number for number, _ in found)
+        example = found[0][1]
+        by = (f"{example['error']:.1e} of {example['tolerance']:.0e}" if example.get("error") is not None
+              else re.sub(r"^the runner: EngineStopped: ", "", example.get("why", "not finite"))[:50])
+        lines.append(f"- {', '.join(f'**{number}** ({count})' for number, count in counts.items())}: {why}. "
+                     f"`{example['case']}`, {example['what']}: {by}")
     return lines
 
 
 def main() -> int:
-    results, groups = read_results(), read_groups()
+    results, groups = read_all(), read_groups()
     reasons = json.loads((HERE / "reasons.json").read_text(encoding="utf-8"))
-    text = ["# Who holds rigid bonds right: the matrix", "", "Made by `matrix.py` from `results/`; the cases and what they ask are "
-            "described in [README.md](README.md).", "", (HERE / "telling.md").read_text(encoding="utf-8").strip(), "",
-            "## Who was run", "", "Numbers count what the cases ask. Not offered: the engine has no words for it, or its runner "
-            "does not write them. Signs: `–` not offered, `r` refused with a message, `?` the mean is right within four standard errors, which are larger than the case allows.", "",
-            *count_table(results, groups), "", "## Cases", "", "A number is how many times the error is larger than the case "
-            "allows, of the worst that it asks; ✗ has no number: NaN, an engine that broke off, or no refusal. Empty: not run.", ""]
-    for group, cases in groups.items():
-        text += case_table(results, group, cases)
-    text += ["## Why they fail", "", *failures(results, reasons)]
+    shown = [one for one in results if label(one) not in SOFT]
+    soft = " and ".join(str(one["number"]) for one in results if label(one) in SOFT)
+    text = ["# Who holds rigid bonds right: the matrix", "", "Made by `matrix.py` from `results/`; [README.md](README.md) "
+            "describes the cases.", "", (HERE / "telling.md").read_text(encoding="utf-8").strip(), "", "## Who was run", "",
+            "Numbers count what the cases ask. Not offered: the engine has no words for it, or its runner does not write "
+            "them. Undecided: the mean is right within four standard errors, which are larger than the case allows. "
+            f"There are {sum(map(len, groups.values()))} cases. Settings that are not told are those of the row above.", "",
+            *count_table(results), "", "## Cases", "", "Columns have the numbers of the table above. A number is how many times "
+            "the error is larger than allowed, of the worst that the case asks; ✗ has no number: NaN, an engine that broke off, "
+            "or no refusal; `o`: small enough, but not falling with the step as it ought to; `r` refused with a message; `?` "
+            f"undecided; `–` not offered; empty: not run. {soft} hold no bond rigid, on purpose, and are left out here.", "",
+            *case_tables(shown, groups), "## Why they fail", "", "Bold is the engine's number, then how many asks it fails for this "
+            "reason, and one of them with its error and what is allowed.", "", *failures(results, reasons)]
     (HERE / "MATRIX.md").write_text("\n".join(text).rstrip() + "\n", encoding="utf-8")
-    open_ones = [f"{label(one)} {v['case']} {v['what']}" for one in results for v in one["verdicts"]
-                 if v["verdict"] == "failed" and reason_of(reasons, label(one), v)["why"] == "not looked into"]
+    open_ones = [f"{label(one)} {v['case']} {v['what']} {v.get('error')} {v.get('why', '')}" for one in results
+                 for v in one["verdicts"] if v["verdict"] == "failed"
+                 and reason_of(reasons, label(one), v)["why"] == "not looked into"]
     print(f"{len(results)} results; {len(open_ones)} failures without a reason")
     print("\n".join(open_ones[:40]))
     return 0

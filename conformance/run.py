@@ -2,7 +2,7 @@
 """Runs an engine over the cases and judges it: run.py RUNNER[:VARIANT] [PART OF A CASE'S NAME...] [--write].
 
 RUNNER is a file of runners, VARIANT one of its VARIANTS; without it all of them run. --write puts the verdicts into
-results/RUNNER.VARIANT.json.
+results/RUNNER.VARIANT.json, beside those of cases that did not run. --seconds 100 leaves out cases that take longer.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 import argparse
 import importlib.util
 import json
-import math
+import signal
 import sys
 import time
 from pathlib import Path
@@ -21,6 +21,7 @@ HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE / "runners")]
 
 from judging import judge_case  # noqa: E402  (its folder is no package)
+from keeping import put_beside  # noqa: E402
 
 
 def read_cases(parts: Iterable[str] = ()) -> List[Dict[str, Any]]:
@@ -44,20 +45,29 @@ def load_runner(name: str) -> ModuleType:
     return module
 
 
-def rounded(value: Any) -> Any:
-    """Numbers to three digits, so that results differ where the engine does; what JSON has no word for is null."""
-    if isinstance(value, float):
-        return float(f"{value:.3g}") if math.isfinite(value) else None
-    if isinstance(value, dict):
-        return {key: rounded(item) for key, item in value.items()}
-    return value
+class TookTooLong(BaseException):
+    """No Exception: it is not for those who catch what an engine says."""
 
 
-def run_variant(runner: ModuleType, variant: str, cases: List[Dict[str, Any]]) -> List[Dict[str, Any]]:
+def too_long(*_: Any) -> None:
+    raise TookTooLong
+
+
+def run_variant(runner: ModuleType, variant: str, cases: List[Dict[str, Any]], limit: int = 0) -> List[Dict[str, Any]]:
+    """All verdicts, but for cases that take more than limit seconds; 0 is no limit."""
     verdicts = []
     for case in cases:
         begin = time.perf_counter()
-        made = judge_case(case, lambda varied: runner.run(varied, variant))
+        if limit:
+            signal.signal(signal.SIGALRM, too_long)
+            signal.alarm(limit)
+        try:
+            made = judge_case(case, lambda varied: runner.run(varied, variant))
+        except TookTooLong:
+            print(f"  left out    {case['name']}: not done in {limit} s")
+            continue
+        finally:
+            signal.alarm(0)
         seconds = time.perf_counter() - begin
         verdicts += made
         told = {f"{one['verdict']:11} {case['name']}{explain(one)}": one for one in made if one["verdict"] != "passed"}
@@ -79,35 +89,31 @@ def explain(verdict: Dict[str, Any]) -> str:
     return said + (f": {' '.join(verdict['why'].split())[:160]}" if "why" in verdict else "")
 
 
-def write_results(name: str, variant: str, about: Dict[str, Any], verdicts: List[Dict[str, Any]]) -> None:
-    path = HERE / "results" / f"{name}.{variant}.json"
-    lines = ",\n  ".join(json.dumps(rounded(one), ensure_ascii=False) for one in verdicts)
-    head = json.dumps(about, ensure_ascii=False)
-    path.write_text(f'{{"about": {head},\n "verdicts": [\n  {lines}\n]}}\n', encoding="utf-8")
-
-
 def main() -> int:
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("runner", help="RUNNER or RUNNER:VARIANT")
     arguments.add_argument("cases", nargs="*", help="parts of names of cases")
     arguments.add_argument("--write", action="store_true", help="write results/RUNNER.VARIANT.json")
+    arguments.add_argument("--seconds", type=int, default=0, help="leave out cases that take longer than this")
     given = arguments.parse_args()
     name, _, variant = given.runner.partition(":")
     runner = load_runner(name)
     cases = read_cases(given.cases)
     if not cases:
         sys.exit(f"no case has {' or '.join(given.cases)} in its name")
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # so that programs which runners started are ended, too
     failed = 0
     for one in [variant] if variant else list(runner.VARIANTS):
         about = runner.describe(one)
         print(f"{about['engine']} {about['version']}, {one}: {about['settings']}")
-        verdicts = run_variant(runner, one, cases)
+        verdicts = run_variant(runner, one, cases, given.seconds)
         counts = {word: sum(v["verdict"] == word for v in verdicts)
                   for word in ("passed", "failed", "refused", "not offered")}
         print("  " + ", ".join(f"{count} {word}" for word, count in counts.items()))
         failed += counts["failed"]
         if given.write:
-            write_results(name, one, {**about, "runner": name, "variant": one}, verdicts)
+            path = HERE / "results" / f"{name}.{one}.json"
+            put_beside(path, {**about, "runner": name, "variant": one}, verdicts, [case["name"] for case in read_cases()])
     return 1 if failed else 0
 
 

@@ -16,7 +16,7 @@ from typing import Any, Dict, List
 
 import numpy as np
 
-from shared import Case, EngineStopped, moving, not_offered, row_steps, start_velocities, wants_refusal
+from shared import Case, EngineStopped, moving, not_offered, row_steps, run_program, start_velocities, wants_refusal
 
 VARIANTS: Dict[str, Dict[str, Any]] = {"rattle": {}, "rattle_default_tolerance": {"tolerance": 1e-6}}
 BOHR, HARTREE, AU_TIME = 0.0529177210903, 2625.4996394799, 2.4188843265857e-5  # nm, kJ/mol, ps
@@ -124,9 +124,8 @@ def run(case: Case, variant: str) -> Case:
             write_input(case, folder, tolerance)
         except NotImplementedError as why:
             return not_offered(str(why))
-        done = subprocess.run([command(), "-i", "c.inp"], cwd=folder, capture_output=True, text=True, check=False,
-                              env={**os.environ, "OMP_NUM_THREADS": "1", "OMPI_ALLOW_RUN_AS_ROOT": "1",
-                                   "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"})
+        done = run_program([command(), "-i", "c.inp"], folder, OMPI_ALLOW_RUN_AS_ROOT="1",
+                           OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
         if done.returncode:
             said = " ".join(re.sub(r"[*_|/\\]+", " ", " ".join(done.stdout.splitlines()[-25:])).split())[-300:]
             if wants_refusal(case) or not (folder / "c-1.ener").exists():

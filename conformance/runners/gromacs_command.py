@@ -18,7 +18,8 @@ import numpy as np
 from gromacs_files import Unsayable, call, read_trr, roomy, write_coordinates, write_parameters, write_topology
 
 from forces import force_function
-from shared import EngineStopped, nearest_images, not_offered, row_steps, start_velocities, unwrap, wants_refusal
+from shared import (
+    EngineStopped, nearest_images, not_offered, row_steps, run_program, start_velocities, unwrap, wants_refusal)
 
 LINCS, TIGHT = {"algorithm": "lincs", "order": 4, "iter": 1}, {"algorithm": "lincs", "order": 8, "iter": 8}
 VARIANTS: Dict[str, Dict[str, Any]] = {
@@ -100,13 +101,14 @@ class Gromacs:
                 "pressure_bar": pressure}
 
     def degrees_of_freedom(self) -> int:
-        said = subprocess.run([self.program, "-quiet", "dump", "-s", "run.tpr"], cwd=self.folder, capture_output=True,
-                              text=True, check=False).stdout
+        said = run_program([self.program, "-quiet", "dump", "-s", "run.tpr"], self.folder).stdout
         return round(float(re.search(r"nrdf:\s*(\S+)", said).group(1)))
 
 
 def run(case: Case, variant: str) -> Case:
     of = VARIANTS[variant]
+    if all("tension" in ask["what"] for ask in case["asks"]):
+        return not_offered("the engine does not tell tensions")
     if not nearest_images(case):
         return not_offered("a bond goes to the nearest image, and this one does not")
     with tempfile.TemporaryDirectory() as name:

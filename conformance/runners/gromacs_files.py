@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import os
 import re
 import struct
-import subprocess
 from math import degrees
 from pathlib import Path
 from typing import Any, Dict, List
 
 import numpy as np
 
-from shared import Case, clusters, moving, whole
+from shared import Case, clusters, moving, run_program, whole
 
 
 
@@ -200,9 +198,7 @@ def read_trr(path: Path) -> Dict[int, Any]:
 
 def call(program: str, arguments: List[str], folder: Path, typed: str = "") -> str:
     """The error that GROMACS says, empty if it has none."""
-    quiet = {**os.environ, "GMX_MAXBACKUP": "-1", "OMP_NUM_THREADS": "1"}
-    done = subprocess.run([program, "-quiet", *arguments], cwd=folder, capture_output=True, text=True, check=False,
-                          env=quiet, input=typed)
+    done = run_program([program, "-quiet", *arguments], folder, typed, GMX_MAXBACKUP="-1")
     if done.returncode == 0:
         return ""
     said = re.search(r"(?:Fatal error|Error in user input|Inconsistency[^:]*|ERROR \d[^:]*):\s*\n(.*?)\n\n", done.stderr, re.S)

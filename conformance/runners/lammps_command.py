@@ -20,7 +20,7 @@ from lammps_input import Unsayable, write_case
 
 from forces import force_function
 from shared import (
-    BAR, clusters, is_rigid, moving, nearest_images, not_offered, row_steps, tensions_from, wants_refusal, whole)
+    BAR, clusters, is_rigid, moving, nearest_images, not_offered, row_steps, run_program, tensions_from, wants_refusal, whole)
 
 VARIANTS: Dict[str, Dict[str, Any]] = {
     "shake": {"fix": "shake"},
@@ -119,8 +119,7 @@ def run(case: Case, variant: str) -> Case:
                  "dump_modify d sort id format float %.17g first yes", f"run {steps}", "undump d",
                  "velocity all create 1.0 4711", "run 0"]
         (folder / "in").write_text("\n".join(lines) + "\n")
-        done = subprocess.run([command(variant), "-in", "in", "-log", "log"], cwd=folder, capture_output=True,
-                              text=True, check=False)
+        done = run_program([command(variant), "-in", "in", "-log", "log"], folder)
         if done.returncode or "ERROR" in done.stdout:
             said = re.findall(r"ERROR.*", done.stdout + done.stderr)
             why = said[0] if said else (done.stderr or done.stdout)[-300:]

@@ -19,7 +19,7 @@ import numpy as np
 from sander_files import read_restart, write_restart, write_topology
 
 from forces import force_function
-from shared import Case, EngineStopped, moving, not_offered, row_steps, start_velocities, wants_refusal
+from shared import Case, EngineStopped, moving, not_offered, row_steps, run_program, start_velocities, wants_refusal
 
 VARIANTS: Dict[str, Dict[str, Any]] = {"shake": {}, "shake_default_tolerance": {"tolerance": 1e-5}}
 
@@ -43,8 +43,7 @@ def move(case: Case, folder: Path, x: np.ndarray, v: np.ndarray, steps: int, tol
         f"case\n &cntrl imin=0, irest=1, ntx=5, ntt=0, ntb=0, igb=6, cut=9999.0, nstlim={steps}, "
         f"dt={case['run']['step_ps']!r}, "
         f"ntc=2, ntf=1, tol={tolerance:.3e}, jfastw=4, vlimit=-1.0, nscm=0, ntpr={steps}, ntwr=-1, ntxo=2, ntwx=0, &end\n")
-    done = subprocess.run([command(), "-O", "-i", "mdin", "-p", "prmtop", "-c", "inpcrd", "-r", "restrt", "-o", "mdout"],
-                          cwd=folder, capture_output=True, text=True, check=False)
+    done = run_program([command(), "-O", "-i", "mdin", "-p", "prmtop", "-c", "inpcrd", "-r", "restrt", "-o", "mdout"], folder)
     if done.returncode or not (folder / f"restrt_{steps}").exists():
         said = (folder / "mdout").read_text()[-400:] if (folder / "mdout").exists() else ""
         raise EngineStopped(" ".join((said + done.stdout + done.stderr).split())[-250:])

@@ -22,6 +22,7 @@ try:
 except ImportError:  # Python before 3.11
     import toml as tomllib  # type: ignore[no-redef]
 
+from shared import run_program
 from taut_xml import system_xml, tag, whole_by_images
 
 Case = Dict[str, Any]
@@ -100,9 +101,8 @@ def run(case: Case, variant: str) -> Dict[str, Any]:
         folder = Path(scratch)
         (folder / "system.xml").write_text(system_xml(case), encoding="utf-8")
         (folder / "state.xml").write_text(state_xml(case, shift), encoding="utf-8")
-        done = subprocess.run([command(), "run", "--openmm", "system.xml", "state.xml", "--threads", "1", "--out", "out",
-                               "--steps", str(case["run"]["steps"]), "--set", *settings_of(case, variant)],
-                              cwd=folder, capture_output=True, text=True)
+        done = run_program([command(), "run", "--openmm", "system.xml", "state.xml", "--threads", "1", "--out", "out",
+                            "--steps", str(case["run"]["steps"]), "--set", *settings_of(case, variant)], folder)
         if done.returncode in (1, 2):
             return {"refused": done.stderr.strip()}
         if done.returncode:
