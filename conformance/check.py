@@ -74,7 +74,8 @@ def find_stale(path: Path, asked: Dict[Tuple[str, str], Any]) -> List[str]:
         if key not in asked:
             faults.append(f"no case asks for {one['what']} of {one['case']}")
         elif one.get("tolerance") and abs(one["tolerance"] / asked[key] - 1) > 0.01:
-            faults.append(f"{one['case']}: {one['what']} is judged by {one['tolerance']:g}, the case has {asked[key]:g}: run it again")
+            faults.append(f"{one['case']}: {one['what']} is judged by {one['tolerance']:g}, the case has {asked[key]:g}: "
+                          "run it again")
     return faults
 
 

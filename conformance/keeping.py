@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from pathlib import Path
 from typing import Any, Dict, List
 
@@ -24,6 +25,11 @@ def rounded(value: Any) -> Any:
 
 def shown(value: Any) -> str:
     return json.dumps(value, ensure_ascii=False, separators=(",", ":"))
+
+
+def without_paths(said: str) -> str:
+    """A message in one line, without the folders of the machine that it was said on."""
+    return re.sub(r"\s*(?<![^\s(])\(?/\S+/\S+", "", " ".join(said.split()))
 
 
 def read_results(path: Path) -> Dict[str, Any]:
@@ -52,7 +58,7 @@ def write_results(path: Path, about: Dict[str, Any], verdicts: List[Verdict]) ->
         if one["verdict"] == "passed":
             passed.setdefault(one["case"], {})[one["what"]] = [one.get("error"), one["tolerance"]]
             continue
-        why = " ".join(one.get("why", "").split())[:LONGEST_REASON]
+        why = without_paths(one.get("why", ""))[:LONGEST_REASON]
         if one["verdict"] == "not offered":
             missing.setdefault(why, {}).setdefault(one["case"], []).append(one["what"])
             continue

@@ -65,7 +65,9 @@ def cell(verdicts: List[Verdict]) -> str:
         times = over(worst)
         if times == float("inf") or worst["what"] == "refusal":
             return "✗"
-        return "o" if times < 1 else f"{times:.1f}" if times < 9.95 else f"{times:.0e}".replace("e+0", "e").replace("e+", "e")
+        if times < 1:
+            return "o"
+        return f"{times:.1f}" if times < 9.95 else f"{times:.0e}".replace("e+0", "e").replace("e+", "e")
     return {"passed": "✓", "undecided": "?", "refused": "r", "not offered": "–"}[worst["verdict"]]
 
 
@@ -116,11 +118,12 @@ def case_tables(results: List[Dict[str, Any]], groups: Dict[str, List[str]]) -> 
     lines += [f"- {group}: {', '.join(case for case in cases if case in alike)}"
               for group, cases in groups.items() if alike & set(cases)]
     lines += ["", f"The other {len(names) - len(alike)}:", "",
-              f"|case|{'|'.join(', '.join(map(str, numbers)) for numbers in columns.values())}|", "|---|" + "---|" * len(columns)]
+              f"|case|{'|'.join(', '.join(map(str, numbers)) for numbers in columns.values())}|",
+              "|---|" + "---|" * len(columns)]
     for group, cases in groups.items():
         lines += [f"|**{group}**|" + "|" * len(columns)]
         lines += [f"|{case}|{'|'.join(rows[case])}|" for case in cases if case not in alike]
-    return [*lines, ""]
+    return lines
 
 
 def reason_of(reasons: List[Dict[str, str]], name: str, verdict: Verdict) -> Dict[str, str]:
@@ -151,23 +154,49 @@ def failures(results: List[Dict[str, Any]], reasons: List[Dict[str, str]]) -> Li
     return lines
 
 
+HEAD = """# Who holds rigid bonds right: the matrix
+
+Made by `matrix.py` from `results/`; [README.md](README.md) describes the cases.
+
+{telling}
+
+## Who was run
+
+Numbers count what the {count} cases ask. Not offered: the engine has no words for it, or its runner does not write them.
+Undecided: the mean is right within four standard errors, which are larger than the case allows. Settings that are not
+told are those of the row above.
+
+{counts}
+
+## Cases
+
+Columns have the numbers of the table above. A number is how many times the error is larger than allowed, of the worst
+that the case asks. ✗ has no number: NaN, an engine that broke off, or no refusal. `o`: small enough, but not falling
+with the step as it ought to; `r`: refused with a message; `?`: undecided; `–`: not offered; empty: not run, or not done
+in the time it was given. Left out are {soft}, which on purpose hold no bond rigid.
+
+{tables}
+
+## Why they fail
+
+Bold is the engine's number, then how many asks it fails for this reason; and one of them, with its error and what is
+allowed.
+
+{failures}
+"""
+
+
 def main() -> int:
     results, groups = read_all(), read_groups()
     reasons = json.loads((HERE / "reasons.json").read_text(encoding="utf-8"))
-    shown = [one for one in results if label(one) not in SOFT]
-    soft = " and ".join(str(one["number"]) for one in results if label(one) in SOFT)
-    text = ["# Who holds rigid bonds right: the matrix", "", "Made by `matrix.py` from `results/`; [README.md](README.md) "
-            "describes the cases.", "", (HERE / "telling.md").read_text(encoding="utf-8").strip(), "", "## Who was run", "",
-            "Numbers count what the cases ask. Not offered: the engine has no words for it, or its runner does not write "
-            "them. Undecided: the mean is right within four standard errors, which are larger than the case allows. "
-            f"There are {sum(map(len, groups.values()))} cases. Settings that are not told are those of the row above.", "",
-            *count_table(results), "", "## Cases", "", "Columns have the numbers of the table above. A number is how many times "
-            "the error is larger than allowed, of the worst that the case asks; ✗ has no number: NaN, an engine that broke off, "
-            "or no refusal; `o`: small enough, but not falling with the step as it ought to; `r` refused with a message; `?` "
-            f"undecided; `–` not offered; empty: not run. {soft} hold no bond rigid, on purpose, and are left out here.", "",
-            *case_tables(shown, groups), "## Why they fail", "", "Bold is the engine's number, then how many asks it fails for this "
-            "reason, and one of them with its error and what is allowed.", "", *failures(results, reasons)]
-    (HERE / "MATRIX.md").write_text("\n".join(text).rstrip() + "\n", encoding="utf-8")
+    text = HEAD.format(
+        telling=(HERE / "telling.md").read_text(encoding="utf-8").strip(),
+        count=sum(map(len, groups.values())),
+        counts="\n".join(count_table(results)),
+        soft=", ".join(str(one["number"]) for one in results if label(one) in SOFT),
+        tables="\n".join(case_tables([one for one in results if label(one) not in SOFT], groups)),
+        failures="\n".join(failures(results, reasons)))
+    (HERE / "MATRIX.md").write_text(text, encoding="utf-8")
     open_ones = [f"{label(one)} {v['case']} {v['what']} {v.get('error')} {v.get('why', '')}" for one in results
                  for v in one["verdicts"] if v["verdict"] == "failed"
                  and reason_of(reasons, label(one), v)["why"] == "not looked into"]

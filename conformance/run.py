@@ -98,7 +98,7 @@ def main() -> int:
     given = arguments.parse_args()
     name, _, variant = given.runner.partition(":")
     runner = load_runner(name)
-    cases = read_cases(given.cases)
+    cases, names = read_cases(given.cases), [case["name"] for case in read_cases()]
     if not cases:
         sys.exit(f"no case has {' or '.join(given.cases)} in its name")
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # so that programs which runners started are ended, too
@@ -106,14 +106,16 @@ def main() -> int:
     for one in [variant] if variant else list(runner.VARIANTS):
         about = runner.describe(one)
         print(f"{about['engine']} {about['version']}, {one}: {about['settings']}")
-        verdicts = run_variant(runner, one, cases, given.seconds)
+        path, verdicts = HERE / "results" / f"{name}.{one}.json", []
+        for case in cases:
+            made = run_variant(runner, one, [case], given.seconds)
+            verdicts += made
+            if given.write and made:
+                put_beside(path, {**about, "runner": name, "variant": one}, made, names)
         counts = {word: sum(v["verdict"] == word for v in verdicts)
                   for word in ("passed", "failed", "refused", "not offered")}
         print("  " + ", ".join(f"{count} {word}" for word, count in counts.items()))
         failed += counts["failed"]
-        if given.write:
-            path = HERE / "results" / f"{name}.{one}.json"
-            put_beside(path, {**about, "runner": name, "variant": one}, verdicts, [case["name"] for case in read_cases()])
     return 1 if failed else 0
 
 

@@ -19,7 +19,8 @@ from gromacs_files import Unsayable, call, read_trr, roomy, write_coordinates, w
 
 from forces import force_function
 from shared import (
-    EngineStopped, nearest_images, not_offered, row_steps, run_program, start_velocities, unwrap, wants_refusal)
+    EngineStopped, nearest_images, not_offered, row_steps, run_program, start_velocities, unwrap, wants_refusal,
+    wants_tensions_alone)
 
 LINCS, TIGHT = {"algorithm": "lincs", "order": 4, "iter": 1}, {"algorithm": "lincs", "order": 8, "iter": 8}
 VARIANTS: Dict[str, Dict[str, Any]] = {
@@ -107,7 +108,7 @@ class Gromacs:
 
 def run(case: Case, variant: str) -> Case:
     of = VARIANTS[variant]
-    if all("tension" in ask["what"] for ask in case["asks"]):
+    if wants_tensions_alone(case):
         return not_offered("the engine does not tell tensions")
     if not nearest_images(case):
         return not_offered("a bond goes to the nearest image, and this one does not")

@@ -20,7 +20,8 @@ from jax_md.mm_forcefields.amber import constraints as held  # noqa: E402
 
 from forces import force_function  # noqa: E402
 from shared import (  # noqa: E402
-    Case, EngineStopped, moving, nearest_images, not_offered, row_steps, start_velocities, wants_refusal)
+    Case, EngineStopped, moving, nearest_images, not_offered, row_steps, start_velocities, wants_refusal,
+    wants_tensions_alone)
 
 VARIANTS: Dict[str, Dict[str, Any]] = {"settle_and_ccma": {}}
 
@@ -33,6 +34,8 @@ def describe(variant: str) -> Dict[str, str]:
 
 def run(case: Case, variant: str) -> Case:
     system, masses = case["system"], np.array(case["system"]["masses_u"], dtype=float)
+    if wants_tensions_alone(case):
+        return not_offered("the runner does not tell tensions")
     if "virtual_sites" in system:
         return not_offered("no virtual sites")
     if "langevin" in case["run"]:

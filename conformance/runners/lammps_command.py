@@ -49,9 +49,9 @@ def version_of(program: str) -> str:
 
 def describe(variant: str) -> Dict[str, str]:
     of = VARIANTS[variant]
-    tolerance = "as the manual's example has it" if "tolerance" in of else "of the case"
-    held = {"shake": f"tolerance {of.get('tolerance', '')} {tolerance}, up to 1000 iterations"}.get(of["fix"], "")
-    held = {"rattle": f"tolerance {tolerance}, up to 1000 iterations", "taut": "feedforward"}.get(of["fix"], held)
+    tolerance = f"{of['tolerance']:g}, as the manual's example has it" if "tolerance" in of else "of the case"
+    iterated = f"tolerance {tolerance}, up to 1000 iterations"
+    held = {"shake": iterated, "rattle": iterated, "taut": "feedforward"}.get(of["fix"], "")
     return {"engine": "LAMMPS" + (" with taut's fix" if of["fix"] == "taut" else ""),
             "version": version_of(command(variant)), "settings": f"fix {of['fix']} {held}".strip() +
             ("" if "rigid/nve" in of["fix"] else ", fix nve") + ", double precision"}

@@ -47,6 +47,11 @@ def row_steps(case: Case) -> List[int]:
     return sorted({*range(0, steps + 1, case["run"].get("rows_every", steps) or 1), steps})
 
 
+def wants_tensions_alone(case: Case) -> bool:
+    """Such a case need not run where the engine does not tell tensions."""
+    return all("tension" in ask["what"] for ask in case["asks"])
+
+
 def moving(case: Case) -> np.ndarray:
     return np.array(case["system"]["masses_u"], dtype=float) > 0
 
