@@ -29,7 +29,7 @@ def shown(value: Any) -> str:
 
 def without_paths(said: str) -> str:
     """A message in one line, without the folders of the machine that it was said on."""
-    return re.sub(r"\s*(?<![^\s(])\(?/\S+/\S+", "", " ".join(said.split()))
+    return re.sub(r"\s*(?<![^\s('])\(?/\S+/\S+", "", " ".join(said.split()))
 
 
 def read_results(path: Path) -> Dict[str, Any]:
