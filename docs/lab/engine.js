@@ -4,10 +4,12 @@
 const ROW = ["step", "t", "rms", "largest", "foretold", "potential", "kinetic", "work", "heat", "temperature", "iterations"];
 
 class Engine {
-  // `open` is what emscripten makes of lab.cpp; `files` are the texts of scenes and starts by name.
-  static async load(open, files) {
+  // `open` and `packed` are what emscripten and make.sh make of lab.cpp; `files` are the texts of scenes and starts by name.
+  static async load(open, packed, files) {
     const engine = new Engine();
-    engine.module = await open();
+    const bytes = Uint8Array.from(atob(packed), (letter) => letter.charCodeAt(0));
+    const module = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+    engine.module = await open({wasmBinary: await new Response(module).arrayBuffer()});
     for (const [name, text] of Object.entries(files)) engine.module.FS.writeFile("/" + name, text);
     engine.numbers = engine.call("malloc", "number", ["number"], [8 * 8]);
     return engine;

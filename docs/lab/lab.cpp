@@ -91,10 +91,7 @@ class Lab {
     }
     laws_ = laws_of_method(*sim_);
     sigma_ = errors();
-    if (goes_on_ && from.sigma_before_.size() > 0 && !laws_.empty()) {
-      foretold_before_ = from.sigma_before_;
-      foretold_ = sigma_;
-    }
+    foretells_anew_ = goes_on_;  // the next positions follow from accelerations that the old gains made
   }
 
   // Takes steps; the rows of these are at rows(). False where the run failed: said tells why.
@@ -132,7 +129,7 @@ class Lab {
     add_constraint_acceleration(sys, r, g, s.x);
     sigma_ = errors();
     foretold_before_ = foretold_ = {};
-    pushed_ = true;
+    foretells_anew_ = true;
     recorded_ = -1;
     rows_.clear();
     keep_row();
@@ -152,7 +149,6 @@ class Lab {
                           {"dof", sim_->dof().total()},
                           {"promised", sim_->method().promised_error()},
                           {"goes_on", goes_on_},
-                          {"anew", anew_},
                           {"notes", scene.notes}}
         .dump();
   }
@@ -169,8 +165,7 @@ class Lab {
       old.serialize(archive);
       sim_ = std::make_unique<Simulation>(std::move(scene), 1);
       sim_->restore(kept);
-    } catch (const InputError& e) {  // another form of the method keeps something else
-    anew_ = e.what();
+    } catch (const InputError&) {  // another form of the method keeps something else
       return false;
     }
     return true;
@@ -217,7 +212,7 @@ class Lab {
     rows_.push_back(row);
   }
   void foretell() {
-    if (pushed_ && !laws_.empty()) {
+    if (foretells_anew_ && !laws_.empty()) {
       foretold_before_ = sigma_before_;
       foretold_ = sigma_;
     } else if (foretold_.size() > 0) {
@@ -227,15 +222,14 @@ class Lab {
       foretold_before_ = foretold_;
       foretold_ = next;
     }
-    pushed_ = false;
+    foretells_anew_ = false;
   }
 
   std::unique_ptr<Simulation> sim_;
   std::vector<Law> laws_;
   Eigen::VectorXd sigma_, sigma_before_;        // σ/d² of every bond, now and a step ago
   Eigen::VectorXd foretold_, foretold_before_;  // empty: nothing is foretold
-  bool pushed_ = false, goes_on_ = false;
-  std::string anew_;  // why it does not go on
+  bool foretells_anew_ = false, goes_on_ = false;  // from the next error and the one before it
   long steps_before_ = 0, recorded_ = -1;
   Row row_;
   std::vector<Row> rows_;

@@ -353,12 +353,12 @@ class Laboratory {
 
 addEventListener("DOMContentLoaded", async () => {
   try {
-    const engine = await Engine.load(openTaut, LAB_FILES);
+    const engine = await Engine.load(openTaut, TAUT_MODULE, LAB_FILES);
     window.laboratory = new Laboratory(engine, LAB_FILES);
     requestAnimationFrame((now) => window.laboratory.frame(now));
   } catch (error) {
     $("trouble").hidden = false;
-    $("trouble").textContent = "The laboratory cannot start: " + (error.message || error) + ". It needs a browser of 2022 or later with WebAssembly.";
+    $("trouble").textContent = "The laboratory cannot start: " + (error.message || error) + ". It needs a browser of 2023 or later with WebAssembly.";
     throw error;
   }
 });

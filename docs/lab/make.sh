@@ -9,6 +9,12 @@ emcmake cmake -S docs/lab -B build/lab-engine -G Ninja -DCMAKE_BUILD_TYPE=Releas
 cmake --build build/lab-engine
 mkdir -p build/lab
 cp docs/lab/*.{html,css,js} build/lab-engine/taut_lab.js build/lab
+# A page that opens from its folder can read scripts alone, so that the module comes in one: compressed, in letters.
+python3 - build/lab-engine/taut_lab.wasm >build/lab/taut_module.js <<'PYTHON'
+import base64, gzip, pathlib, sys
+packed = base64.b64encode(gzip.compress(pathlib.Path(sys.argv[1]).read_bytes(), 9, mtime=0)).decode()
+print(f'const TAUT_MODULE = "{packed}";\nif (typeof module !== "undefined") module.exports = TAUT_MODULE;')
+PYTHON
 python3 - systems/{pendulum,double_pendulum,water_cluster,water_cluster.start}.toml \
   systems/worlds/{planted_foot,fold}.toml docs/lab/scenes/*.toml >build/lab/scenes.js <<'PYTHON'
 import json, pathlib, sys
