@@ -66,7 +66,8 @@ function compare(engine, settings, name, bound = 1e-9) {
     for (const method of S.METHODS) compare(engine, {...S.settingsOf(scene, files), method, tolerance: 1e-10}, `${scene}, ${method}`);
     const own = {...S.settingsOf(scene, files), tolerance: 1e-10};
     for (const damping of S.DAMPINGS) compare(engine, {...own, damping, ah: 0.1, bh: 1}, `${scene}, ${damping}`);
-    for (const [name, [ah, bh]] of Object.entries(S.GAINS)) compare(engine, {...own, ah, bh}, `${scene}, gains ${name}`);
+    // Soft gains keep for long what a solve leaves, so that it leaves less.
+    for (const [name, [ah, bh]] of Object.entries(S.GAINS)) compare(engine, {...own, ah, bh, tolerance: 1e-12}, `${scene}, gains ${name}`);
     compare(engine, {...own, dt: own.dt / 2}, `${scene}, half the step`);
     compare(engine, {...own, tolerance: 1e-4}, `${scene}, tolerance 1e-4`, 1e-6);
     compare(engine, {...own, sweeps: 8, ah: 1, bh: 1}, `${scene}, eight sweeps`, 1e-8);
