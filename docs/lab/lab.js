@@ -231,7 +231,7 @@ class Laboratory {
     this.drawGains(law);
     const row = this.row, l = this.last;
     $("status").textContent = row && this.run
-      ? `${this.run.about.atoms} atoms, ${this.run.about.bonds.length} bonds · step ${row.step}, ${short(+row.t.toPrecision(5))} ps` +
+      ? `${this.run.about.atoms} atoms, ${this.run.about.bonds.length} bond${this.run.about.bonds.length === 1 ? "" : "s"} · step ${row.step}, ${short(+row.t.toPrecision(5))} ps` +
         (l ? ` · ${Math.round(l.temperature)} K` : "") + (this.rate ? ` · ${Math.round(this.rate)} steps/s, ${Math.round(this.frames)} frames/s` : "")
       : "";
     $("play").textContent = this.running ? "Pause" : "Run";
@@ -241,9 +241,10 @@ class Laboratory {
     const damping = DAMPINGS.indexOf(this.settings.damping);
     this.pad.marks = Object.entries(GAINS).map(([name, [ah, bh]]) => {
       const {trace, determinant} = this.engine.law(ah, bh, damping);
-      return {name, trace, determinant, side: name === "soft" ? "left" : name === "Box2D" || name === "critical" ? "below" : "right"};
+      return {name, trace, determinant, side: name === "soft" || name === "dead-beat" ? "below left" : name === "default" ? "above" : "below"};
     }).filter(({determinant, trace}) => Math.abs(determinant) <= 1 && Math.abs(trace) <= 2);
-    if (law) this.pad.at = [law.trace, law.determinant];
+    const place = law || this.engine.law(this.settings.ah, this.settings.bh, damping);
+    this.pad.at = [place.trace, place.determinant];
     const asked = this.question ? this.lawOf(this.question.settings) : null;
     this.pad.question = asked ? [asked.trace, asked.determinant] : null;
     this.pad.draw();
@@ -252,7 +253,7 @@ class Laboratory {
     const modulus = Math.hypot(...law.roots[0]);
     $("law").textContent = modulus > 1 + 1e-9 ? `The larger root has modulus ${modulus.toFixed(3)}: errors grow.`
       : modulus > 1 - 1e-9 ? "The larger root has modulus 1: an error stays, or grows by what is fed."
-      : `An error keeps ${modulus.toFixed(3)} of itself a step` + (modulus > 0 ? `: a tenth is left after ${Math.max(1, Math.ceil(Math.log(0.1) / Math.log(modulus)))} steps.` : ": it is gone in two steps.");
+      : `An error keeps ${modulus.toFixed(3)} of itself a step` + (modulus > 1e-6 ? `: a tenth is left after ${Math.max(1, Math.ceil(Math.log(0.1) / Math.log(modulus)))} steps.` : ": it is gone in two steps.");
   }
 
   frame(now) {

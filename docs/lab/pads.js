@@ -65,8 +65,9 @@ class GainsPad {
       pen.fillStyle = css("--ink");
       pen.beginPath(); pen.arc(px(trace), py(determinant), 2.5, 0, 7); pen.fill();
       pen.fillStyle = css("--muted");
-      pen.textAlign = side === "left" ? "right" : "left";
-      pen.fillText(name, px(trace) + (side === "left" ? -6 : 6), py(determinant) + (side === "below" ? 11 : -9));
+      const left = side.endsWith("left");
+      pen.textAlign = left ? "right" : "left";
+      pen.fillText(name, px(trace) + (left ? -6 : 6), py(determinant) + (side.startsWith("below") ? 11 : -9));
     }
     if (this.question) this.dot(pen, px(this.question[0]), py(this.question[1]), "--whatif");
     this.dot(pen, px(this.at[0]), py(this.at[1]), "--run");

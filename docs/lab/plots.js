@@ -149,7 +149,13 @@ class Chart {
     for (const tick of niceTicks(x0, x1, Math.max(2, width / 110))) pen.fillText(short(tick), Math.min(px(tick), a.right - 8), a.bottom + 5);
     pen.fillText(this.what.x, (a.left + a.right) / 2, a.bottom + 19);
     pen.textAlign = "left";
-    if (this.what.y) pen.fillText(this.what.y, a.left + 4, a.top);
+    if (this.what.y) {  // over no line
+      const text = pen.measureText(this.what.y).width;
+      pen.fillStyle = css("--panel");
+      pen.fillRect(a.left + 2, a.top - 1, text + 6, 15);
+      pen.fillStyle = css("--muted");
+      pen.fillText(this.what.y, a.left + 4, a.top);
+    }
     pen.save();
     pen.beginPath(); pen.rect(a.left, a.top - 2, a.right - a.left, a.bottom - a.top + 4); pen.clip();
     for (const curve of this.curves.values()) if (curve.on) this.line(pen, curve, px, py);

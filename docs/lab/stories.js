@@ -19,12 +19,12 @@ const STORIES = [
     {text: "Drag the dot in the triangle. Near its middle, dead-beat, an error is gone in two steps; near its upper edge it swings for long. On the edge it never dies, and beyond it grows: such gains are refused. Push again and see.",
      set: {ah: 1, bh: Math.SQRT2}, push: 0.01, speed: 1}]},
   {name: "2. RATTLE's decay, copied", steps: [
-    {text: "A water molecule under RATTLE, which sweeps twice over its three bonds and stops, whatever is left. A push puts an error on the bonds: each step leaves a fraction t = 0.600² = 0.36 of it, in a pair of roots.",
-     set: {scene: "water_molecule", method: "rattle", sweeps: 2, dt: 2}, push: 0.001, speed: 1},
-    {text: "The same push under Baumgarte's law with the pair of roots of modulus t = 0.36: αh = (1 − t²)/(1 + t²), (βh)² = 2 − 2t(1 + t)/(1 + t²). RATTLE's run stays on the chart. The two fall alike, without a sweep.",
-     keep: true, set: {method: "baumgarte", damping: "discrete", sweeps: 0, tolerance: 1e-10, ...sweptGains(0.36)}, push: 0.001, speed: 1, restart: true},
+    {text: "A water molecule under RATTLE, which sweeps twice over its three bonds and stops, whatever is left. A push puts an error on the bonds: each step leaves a fraction t = 0.600² = 0.36 of it, in a pair of roots, down to what the turning molecule feeds anew in every step.",
+     set: {scene: "water_molecule", method: "rattle", sweeps: 2, dt: 0.1}, push: 0.01, speed: 1},
+    {text: "The same push under Baumgarte's law with the pair of roots of modulus t = 0.36: αh = (1 − t²)/(1 + t²), (βh)² = 2 − 2t(1 + t)/(1 + t²). RATTLE's run stays on the chart. The two fall alike, but the law falls on where two sweeps stop.",
+     keep: true, set: {method: "baumgarte", damping: "discrete", sweeps: 0, tolerance: 1e-10, ...sweptGains(0.36)}, push: 0.01, speed: 1, restart: true},
     {text: "The roots ρ and 0 copy RATTLE's mean reduction instead: αh = 1, (βh)² = 2(1 − ρ), here with ρ = 0.36. `taut calibrate` finds the gains for any molecule.",
-     keep: true, set: {ah: 1, bh: Math.sqrt(2 * (1 - 0.36))}, push: 0.001, speed: 1, restart: true}]},
+     keep: true, set: {ah: 1, bh: Math.sqrt(2 * (1 - 0.36))}, push: 0.01, speed: 1, restart: true}]},
   {name: "3. Where methods fail", steps: [
     {text: "A chain with a heavy end under four sweeps of RATTLE a step. Sweeps hand the load from bead to bead, and four are too few: look at the bond error and at the constraints' share of the energy.",
      set: {scene: "heavy_end", method: "rattle", sweeps: 4, dt: 5}, speed: 5},
@@ -35,6 +35,6 @@ const STORIES = [
     {text: "The same gains and step, the law as differences: no drive, no heat.",
      keep: true, set: {damping: "discrete"}, speed: 2, restart: true},
     {text: "64 waters at 9 fs. In such a step bonds turn too far for any force along them to bring them back: the run stops, names the bond and says what to try. The largest step that 1000 steps bear is 8.5 fs.",
-     set: {scene: "water_cluster", method: "newton", dt: 9}, speed: 2}]}];
+     set: {scene: "water_cluster", method: "newton", dt: 9}, speed: 4, restart: true}]}];
 
 if (typeof module !== "undefined") module.exports = {STORIES};
