@@ -227,8 +227,8 @@ class Lab {
 
   std::unique_ptr<Simulation> sim_;
   std::vector<Law> laws_;
-  Eigen::VectorXd sigma_, sigma_before_;        // σ/d² of every bond, now and a step ago
-  Eigen::VectorXd foretold_, foretold_before_;  // empty: nothing is foretold
+  Eigen::VectorXd sigma_, sigma_before_;           // σ/d² of every bond, now and a step ago
+  Eigen::VectorXd foretold_, foretold_before_;     // empty: nothing is foretold
   bool foretells_anew_ = false, goes_on_ = false;  // from the next error and the one before it
   long steps_before_ = 0, recorded_ = -1;
   Row row_;
