@@ -42,7 +42,7 @@ def judge_again(verdict: Verdict) -> str:
     A mean that is right within four of its errors, which are larger than allowed, settles nothing. A run that an engine
     breaks off at some step is no refusal of the input.
     """
-    if verdict["verdict"] == "refused" and re.match(r"step [1-9]", verdict.get("why", "")):
+    if verdict["verdict"] == "refused" and re.search(r"step [1-9]|NaN|Non-numeric", verdict.get("why", "")):
         return "failed"
     error, sigma = verdict.get("error"), verdict.get("standard_error")
     if verdict["verdict"] == "failed" and sigma is not None and error is not None:
