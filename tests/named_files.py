@@ -1,4 +1,5 @@
-"""Checks that every file that a comment or a page names exists, and every heading that a page links to.
+"""Checks that every file that a comment or a page names exists, every heading that a page links to and every test that a page
+cites as `Suite.Name`.
 
 python3 tests/named_files.py
 """
@@ -12,6 +13,9 @@ COMMENT = {"hpp": "//", "cpp": "//", "py": "#", "sh": "#", "toml": "#", "cmake":
 NAME = re.compile(r"(?<![\w/.$*<>-])((?:[\w.-]+/)*[\w-]+\.(?:hpp|cpp|py|sh|md|cmake))(?![\w*/])")
 LINK = re.compile(r"\]\((?!https?:)([^)#\s]*)(?:#([^)\s]+))?\)")
 HEADING = re.compile(r"#+\s+(.*)")
+CITED = re.compile(r"`([A-Z][A-Za-z0-9]*\.[A-Z][A-Za-z0-9]*)`")
+TEST = re.compile(r"^ *(?:TYPED_)?TEST(?:_P|_F)?\((\w+),\s*(\w+)\)", re.MULTILINE)
+REGISTERED = re.compile(r"\bNAME ([A-Z]\w*\.\w+)")  # by ctest alone
 EXAMPLES = {"mine.hpp", "mine.cpp"}  # of a reader's own
 
 
@@ -50,9 +54,21 @@ def broken_links(file, text):
             yield f"{path}#{heading}"
 
 
+def cited_tests(there):
+    """Returns the names that a page may cite: those of googletest's tests and of what ctest alone runs."""
+    names = set()
+    for file in there:
+        pattern = TEST if file.endswith("_test.cpp") else REGISTERED if file.endswith("CMakeLists.txt") else None
+        if pattern:
+            with open(os.path.join(ROOT, file), encoding="utf-8") as text:
+                names.update(n if isinstance(n, str) else ".".join(n) for n in pattern.findall(text.read()))
+    return names
+
+
 def main():
     there = sorted(files())
     tails = {"/".join(parts[k:]) for parts in (f.split("/") for f in there) for k in range(len(parts))}
+    tests = cited_tests(there)
     missing = []
     for file in there:
         mark = COMMENT.get(file.rsplit(".", 1)[-1])
@@ -65,8 +81,9 @@ def main():
                 names = [n for n in names if not os.path.basename(n).split(".")[0].isupper()]  # NAME.csv
                 if not mark:
                     names += broken_links(file, text)
+                    names += [n for n in CITED.findall(text) if n not in tests]
                 missing += [f"{file}:{number}: {name} is not there" for name in names]
-    print("\n".join(missing) or f"{len(there)} files, every name and link leads to one")
+    print("\n".join(missing) or f"{len(there)} files, every name and link leads to one, every cited test is there")
     return bool(missing)
 
 
