@@ -47,6 +47,21 @@ def test_a_viscosity_is_that_of_its_stress():
         measure.viscosity(stress[:100], interval_ps=interval, volume_nm3=volume, temperature_k=300)
 
 
+def test_times_say_how_far_apart_rows_are():
+    """Of walks every fourth frame in their second part, of numbers a tenth of the rows."""
+    rng = np.random.default_rng(7)
+    frames = np.r_[0:300, 300:1500:4]
+    walks = np.cumsum(rng.normal(scale=0.1, size=(1500, 200, 3)), axis=0)[frames]
+    moved = measure.diffusion(walks, time_ps=0.5 * frames)
+    assert moved.diffusion.value == pytest.approx(0.01, abs=4 * moved.diffusion.error)
+    assert np.allclose(np.diff(0.5 * frames[moved.used]), 2)
+
+    times = np.r_[np.arange(1, 1000), np.arange(1000, 10000, 90)]
+    y = np.where(times < 1000, 5.0, 1.0) + 0.1 * rng.normal(size=len(times))
+    assert measure.mean(y, time_ps=times).value == pytest.approx(1.4, abs=0.1)
+    assert 900 < measure.equilibration(y, time_ps=times) <= 1010
+
+
 def test_a_log_has_what_its_viscosity_asks_for():
     sim = taut.Simulation("water", set={"build.molecules": 64, "forcefield.cutoff_nm": 0.6, "forcefield.switch_nm": 0.5,
                                         "run.log_every": 1})

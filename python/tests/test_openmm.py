@@ -168,6 +168,37 @@ def test_what_is_not_there_is_refused_by_name(make, words):
         taut.Simulation.from_openmm(system, model.positions, dt_fs=1)
 
 
+@pytest.mark.parametrize("named, words", [
+    ({"velocities": np.zeros((2, 3))}, "velocities: expected 648 rows"),
+    ({"topology": app.Topology()}, "topology: has 0 atoms"),
+])
+def test_what_is_of_another_size_is_refused(named, words):
+    system, _ = made("tip3p.pdb", ["tip3p.xml"])
+    atoms = system.getNumParticles()
+    with pytest.raises(taut.InputError, match=words.replace("648", str(atoms))):
+        taut.Simulation.from_openmm(system, np.zeros((atoms, 3)), dt_fs=1, **named)
+
+
+def test_sites_of_sites_have_openmms_energy_and_forces():
+    rng = np.random.default_rng(3)
+    system, pairs = openmm.System(), openmm.NonbondedForce()
+    for atom in range(7):  # 4 and 5 are sites; the parents of 4 are 5, of a higher number, and 3
+        system.addParticle(0 if atom in (4, 5) else 14)
+        pairs.addParticle((-1)**atom * 0.3, 0.25, 0.5)
+    system.setVirtualSite(4, openmm.TwoParticleAverageSite(5, 3, 0.6, 0.4))
+    system.setVirtualSite(5, openmm.OutOfPlaneSite(0, 1, 2, 0.3, 0.4, 2.5))
+    system.addForce(pairs)
+    x = np.array([[0, 0, 0], [.4, 0, 0], [0, .4, .1], [.5, .5, .5], [9, 9, 9], [9, 9, 9], [.2, .1, .6]])
+    sim = taut.Simulation.from_openmm(system, x + 0.01 * rng.normal(size=x.shape))
+    try:
+        energy, forces = reference(system, sim)
+    except openmm.OpenMMException as older:
+        pytest.skip(str(older))
+    assert sim.energies["potential"] == pytest.approx(energy, rel=1e-9)
+    moving = sim.masses > 0
+    np.testing.assert_allclose(sim.forces[moving], forces[moving], rtol=1e-7, atol=1e-7 * np.abs(forces).max())
+
+
 def test_what_is_no_system():
     with pytest.raises(taut.InputError, match="system: expected an object of OpenMM's"):
         taut.Simulation.from_openmm(7, np.zeros((1, 3)), box=[2, 2, 2])

@@ -63,6 +63,22 @@ def test_reporting_changes_no_bit():
     assert np.array_equal(plain.positions, watched.positions)
 
 
+def test_an_exception_stops_the_run_between_two_steps():
+    with water() as sim:
+        def fail(sim):
+            raise KeyError("mine")
+
+        sim.reporters.append(taut.Call(fail, every=5))
+        with pytest.raises(KeyError, match="mine"):
+            sim.run(20)
+        assert sim.steps_taken == 5
+        sim.reporters.clear()
+        sim.run(15)
+        other = water()
+        other.run(20)
+        assert np.array_equal(sim.positions, other.positions)
+
+
 def test_rows_are_written(tmp_path):
     with water() as sim:
         sim.reporters.append(taut.CSV(tmp_path / "log.csv", every=5, columns=["step", "time_ps", "total_kj_mol"]))
