@@ -112,13 +112,13 @@ struct BadInput {
 };
 const BadInput kBadInputs[] = {
     {"run", "expected a scene"},
-    {"run nowhere", "nowhere"},
+    {"run nowhere", "taut: nowhere: no such file, and no scene of that name; expected one of"},
     {"run water --method ratle", "taut: --method ratle: there is no \"ratle\"; did you mean \"rattle\"?"},
     {"run water --set run.temprature_k=300", "temperature_k"},
     {"run water --set run.dt_fs=fast", "expected a number"},
-    {"run water --set forcefield.cutoff_nm=1.2", "cutoff"},
+    {"run water --set forcefield.cutoff_nm=1.2", "forcefield.cutoff_nm: 1.2 is over half the box"},
     {"run water --dt-fs -1", "--dt-fs -1: expected more than 0, got -1"},
-    {"run water --steps -5", "steps"},
+    {"run water --steps -5", "--steps -5: expected at least 0, got -5"},
     {"run water --steps 1e30", "expected a whole number below 9.2e18, got 1e30"},
     {"run water --steps 2.5", "--steps: expected a whole number, got 2.5"},
     {"run -", "-: a scene is read from a file, not from standard input"},
@@ -129,7 +129,7 @@ const BadInput kBadInputs[] = {
     {"run water --method baumgarte --set method.gains=ded-beat", "dead-beat"},
     {"run water --method baumgarte --set method.beta_per_ps=1e5", "unstable"},
     {"chart water --methods ratle", "did you mean \"rattle\"?"},
-    {"stability nowhere", "nowhere"},
+    {"stability nowhere", "taut: nowhere: no such file, and no scene of that name"},
     {"chart freely_jointed --quick --methods settle", "no method to chart"},
 #if TAUT_WITH_OPENMM_TWIN
     {"crosscheck pendulum", "OpenMM cannot express it"},

@@ -39,14 +39,15 @@ temperature_k = 300
 )";
   const std::string bath = "run.thermostat=langevin", rescaling = "run.barostat=c-rescale";
   expect_said_of(
-      water, {{{rescaling}, "run.barostat: a barostat needs a thermostat"},
-              {{bath, rescaling}, "no error"},
-              {{bath, rescaling, "run.coupling=anisotropic"}, "no error"},
-              {{bath, rescaling, "run.coupling=triclinic"}, "there is no \"triclinic\""},
-              {{bath, rescaling, "run.compressibility_per_bar=0"}, "expected more than 0"},
-              {{bath, rescaling, "run.barostat_every=0"}, "expected at least 1"},
-              {{"run.pressure_bar=1"}, "counts only with run.barostat"},
-              {{bath, "run.barostat=monte-carlo", "run.barostat_ps=1"}, "only with run.barostat = \"c-"}});
+      water,
+      {{{rescaling}, "run.barostat: a barostat needs a thermostat"},
+       {{bath, rescaling}, "no error"},
+       {{bath, rescaling, "run.coupling=anisotropic"}, "no error"},
+       {{bath, rescaling, "run.coupling=triclinic"}, "there is no \"triclinic\""},
+       {{bath, rescaling, "run.compressibility_per_bar=0"}, "compressibility_per_bar: expected more than 0"},
+       {{bath, rescaling, "run.barostat_every=0"}, "run.barostat_every: expected at least 1"},
+       {{"run.pressure_bar=1"}, "counts only with run.barostat"},
+       {{bath, "run.barostat=monte-carlo", "run.barostat_ps=1"}, "only with run.barostat = \"c-"}});
   const std::string gas = R"(hard_on = "nothing"
 build = {kind = "molecules", box_nm = [3, 3, 3]}
 [atom.A]

@@ -137,7 +137,8 @@ TEST(Walls, BadOnesAreRefusedByName) {
                {z, "axis = \"z\"\natoms = [\"C\"]", "no atom is called \"C\""},
                {z, "axis = \"z\"\ncutoff_nm = 1", "cutoff_nm: has no effect"},
                {"sigma_nm = 0.3\nepsilon", "epsilon", "missing key \"sigma_nm\" in [wall.0]"},
-               {"cutoff_nm = 1.0", "cutoff_nm = 1.0\ncoulomb = \"pme\"", "coulomb"},
+               {"cutoff_nm = 1.0", "cutoff_nm = 1.0\ncoulomb = \"pme\"",
+                "forcefield.coulomb: has no effect, it counts only between charges"},
                {bath, "thermostat = \"langevin\"\nbarostat = \"c-rescale\"", "a wall or a steered atom"},
                {"count = 60", "count = 1\ncentres_nm = [[1, 1, 3]]", "there is no room for"}});
 }
