@@ -139,6 +139,30 @@ TEST(Baumgarte, IsFedTheSquareOfWhatItsGuessMisses) {
   }
 }
 
+// Of what is fed slowly the law lets (1 + αh)/(βh)² stand: half as much with αh = 0.3, (βh)² = 2.5 as
+// at dead-beat. Free waters at one solve a step from the last λ.
+TEST(Baumgarte, LetsStandOfASlowFeedWhatItsGainsSay) {
+  const double h = 0.0005;
+  const auto left = [&](double ah, double bh2) {
+    auto [sys, s] = tests::waters(8, 1, 300);
+    NoForce forces;
+    Baumgarte::Options options = numbers(ah / h, std::sqrt(bh2) / h);
+    options.tolerance = 0.1;  // never a second solve
+    options.extrapolation = 0;
+    Baumgarte method(sys, options, h);
+    initialize({sys, forces, method}, h, s);
+    double sum = 0;
+    for (int n = 0; n < 300; ++n) {
+      EXPECT_EQ(step({sys, forces, method}, h, s).iterations, 1);
+      if (n >= 100) sum += sigmas_of(sys, s.x).squaredNorm();
+    }
+    return std::sqrt(sum);
+  };
+  const double dead_beat = left(1, 2);
+  EXPECT_GT(dead_beat, 1e-13);
+  EXPECT_NEAR(left(0.3, 2.5) / dead_beat, 1.3 / 2.5, 0.05 * 1.3 / 2.5);
+}
+
 // α = β = √(stiffness/μ), each bond by its own μ, and capped where the step cannot bear it.
 TEST(Gains, PhysicalOnesAreTheRealBonds) {
   const double h = 0.0005, k = 4.5e5;
@@ -194,6 +218,59 @@ TEST(Gains, AreThoseOfTheirNames) {
   expect("dead-beat", Damping::kLagged, 0.5, 1);
   expect("rattle", Damping::kLagged, 0.5, std::sqrt(0.75));
   expect("swept", Damping::kLagged, 15 / 32.0, std::sqrt(0.75));
+}
+
+// The extrapolation misses λ by Δλ = O(h^(p+1)) and what is fed is of its square: order 2p + 6. A pendulum of
+// unit mass and length from horizontal: its bond force swings, nothing is constant.
+double error_of_a_pendulum(double ah, double bh2, int extrapolation, double h) {
+  const System sys = make_system(Eigen::Vector2d(0, 1), {{0, 1, 1.0}});
+  State s;
+  s.x = s.v = s.f = Vectors::Zero(3, 2);
+  s.x(0, 1) = 1;
+  tests::UniformForce forces{Vec3(0, 0, -9.81)};
+  Baumgarte::Options options = numbers(ah / h, std::sqrt(bh2) / h);
+  options.tolerance = 0.1;
+  options.extrapolation = extrapolation;
+  Baumgarte method(sys, options, h);
+  initialize({sys, forces, method}, h, s);
+  double worst = 0;
+  for (int n = 0; n < 2 / h; ++n) {
+    EXPECT_TRUE(step({sys, forces, method}, h, s).converged());
+    if (s.t > 0.5) worst = std::max(worst, bond_errors(sys, s.x).max);
+  }
+  return worst;
+}
+
+TEST(Baumgarte, ErrorIsOfTheSquareOfWhatExtrapolationMisses) {
+  for (const int p : {0, 1, 2}) {
+    const double h = p == 2 ? 0.02 : 0.01;
+    const double order =
+        std::log2(error_of_a_pendulum(0.3, 2.5, p, 2 * h) / error_of_a_pendulum(0.3, 2.5, p, h));
+    EXPECT_NEAR(order, 2 * p + 6, 0.6) << "extrapolated to order " << p;
+  }
+}
+
+// With a sweep from the last multipliers in place of a solve: held where damping is strong and the feedback
+// soft, and not with gains that leave the parasitic root undamped.
+TEST(Baumgarte, OneSweepHoldsAChainWithSoftStronglyDampedGains) {
+  const double h = 0.01;
+  const auto error_with = [&](double ah, double bh) {
+    auto [sys, s] = tests::free_chain(20, 1);
+    Baumgarte method(
+        sys,
+        {.gains = "numbers", .alpha_per_ps = ah / h, .beta_per_ps = bh / h, .sweeps = 1, .extrapolation = 0},
+        h);
+    NoForce forces;
+    initialize({sys, forces, method}, h, s);
+    double worst = 0;
+    for (int n = 0; n < 1000 && worst < 1; ++n) {
+      EXPECT_TRUE(step({sys, forces, method}, h, s).converged());
+      worst = std::max(worst, bond_errors(sys, s.x).max);
+    }
+    return worst;
+  };
+  EXPECT_LT(error_with(1, 0.5), 2e-3);
+  EXPECT_GT(error_with(0.1, 1.4), 0.1);
 }
 
 TEST(Baumgarte, CountsItsSweeps) {

@@ -169,5 +169,58 @@ TEST(Floor, IsWhatIsSaidOfEachDamping) {
               1e-15);
 }
 
+// How a bond at rest gets its stretch: its atoms are moved between two steps, or the method starts from
+// there.
+enum class Stretched { kBetweenSteps, kFromTheStart };
+
+// The smallest stretch from which a bond at rest does not come back, (βh)² = bh2; to 6 %. sign −1:
+// compressed.
+double bearable_stretch(double ah, double bh2, const char* damping, Stretched how = Stretched::kBetweenSteps,
+                        double sign = 1) {
+  const double h = 0.01;
+  const auto comes_back = [&](double stretch) {
+    auto [sys, s] = tests::rotor(0);
+    Baumgarte method(sys,
+                     {.gains = "numbers",
+                      .damping = damping,
+                      .alpha_per_ps = ah / h,
+                      .beta_per_ps = std::sqrt(bh2) / h,
+                      .tolerance = 1e-14},
+                     h);
+    NoForce forces;
+    initialize({sys, forces, method}, h, s);
+    s.x(0, 1) += sign * stretch;
+    if (how == Stretched::kFromTheStart) {
+      forces.evaluate(sys, s);
+      EXPECT_TRUE(method.add_forces(sys, Push::at_start(h), s).converged());
+    }
+    for (int n = 0; n < 3000; ++n)
+      if (!step({sys, forces, method}, h, s).converged() || !(std::abs(s.x(0, 1) - s.x(0, 0) - 1) < 0.5))
+        return false;
+    return true;
+  };
+  double stretch = 5e-4;
+  while (stretch < 0.5 && comes_back(stretch)) stretch *= 1.06;
+  return stretch;
+}
+
+// A third of a turn a step, (βh)² = 3: ¼h⁴|a|² is quadratic in σ and turns twice as far, which is the same
+// the other way round. Its amplitude, ΔA = −αh A − i (9/4)/(2 sin 120°) Ā²/d², grows from 0.93 αh on where
+// atoms are moved between two steps, from twice that where the method starts from the stretch, in another
+// phase; elsewhere little damping is enough.
+TEST(Propagator, AThirdOfATurnResonates) {
+  for (const double ah : {0.01, 0.02, 0.05}) {
+    EXPECT_NEAR(bearable_stretch(ah, 3, "centred") / ah, 0.93, 0.07) << ah;
+    EXPECT_GT(bearable_stretch(ah, 3, "centred", Stretched::kFromTheStart), 1.6 * ah) << ah;
+    EXPECT_GT(bearable_stretch(ah, 2, "centred"), 0.2) << ah;
+    EXPECT_GT(bearable_stretch(ah, 2.5, "centred"), 0.15) << ah;
+  }
+}
+
+// The discrete law has no drive, and bears it at all gains.
+TEST(Propagator, AThirdOfATurnLeavesTheDiscreteLawAlone) {
+  for (const double ah : {0.01, 0.05}) EXPECT_GT(bearable_stretch(ah, 3, "discrete"), 0.12) << ah;
+}
+
 }  // namespace
 }  // namespace taut::propagator_tests
