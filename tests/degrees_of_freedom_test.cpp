@@ -232,5 +232,17 @@ TEST(MomentumOfWhatAnchorsHold, IsTakenOutWithoutWarmingOrCoolingTheRest) {
   }
 }
 
+TEST(MomentumOfWhatAnchorsHold, IsNotedWhereItIsTakenOutMoreOftenThanAsked) {
+  const auto noted = [](long every) {
+    const Simulation simulation(held_cloud("none", every));
+    return std::ranges::any_of(simulation.scene().notes, [](const std::string& note) {
+      return note.find("the centre of mass is held at every step") != note.npos;
+    });
+  };
+  EXPECT_TRUE(noted(7));
+  EXPECT_FALSE(noted(1));
+  EXPECT_FALSE(noted(0));
+}
+
 }  // namespace
 }  // namespace taut::degrees_of_freedom_tests

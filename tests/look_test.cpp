@@ -54,6 +54,43 @@ TEST_F(Look, MeasuresSegmentsAsOneRun) {
   EXPECT_EQ(json::parse(said("measure --join --last 1 --json " + at + "1 " + at + "2"))["rows"], 51);
 }
 
+// A run that went on with rows and frames four times as far apart: its last part alone, and joined to one that has them all
+// along.
+TEST_F(Look, TakesTheTimesOfRowsAndFrames) {
+  const std::string brownian =
+      "run freely_jointed --set build.chains=10 run.log_every=2 run.thermostat=langevin "
+      "run.temperature_k=300 run.friction_per_ps=50 run.steps=";
+  said(brownian + "200 run.trajectory_every=2 --quiet --out " + at + "1");
+  for (const std::string every : {"2", "8"})
+    said(brownian + "800 run.trajectory_every=" + every + " build.start=" + at +
+         "1/final.start.toml --quiet --out " + at + every);
+  const auto joined = [&](const std::string& second) {
+    return json::parse(said("measure --join --json " + at + "1 " + at + second));
+  };
+  const json even = joined("2"), uneven = joined("8");
+  EXPECT_EQ(even["frames"], 501);
+  EXPECT_EQ(even["frames_followed"], 501);
+  EXPECT_EQ(uneven["frames"], 201);
+  EXPECT_EQ(uneven["frames_followed"], 126);
+  EXPECT_NEAR(uneven["interval_ps"], 0.08, 1e-6);
+  const double d = even["diffusion_nm2_per_ps"]["value"];
+  EXPECT_NEAR(uneven["diffusion_nm2_per_ps"]["value"], d, 0.1 * d) << "the same motion";
+  const double r2 = even["end_to_end_squared_nm2"]["value"];
+  EXPECT_NEAR(uneven["end_to_end_squared_nm2"]["value"], r2, 0.02 * r2);
+  EXPECT_THAT(said("measure --join " + at + "1 " + at + "8"),
+              AllOf(HasSubstr("201 frames of 200 atoms, 0.02 to 0.08 ps apart"),
+                    HasSubstr("of 126 evenly spaced frames, 0.08 ps apart, from 0 to 10 ps")));
+
+  said("resume " + at + "1 --steps 1800 --quiet --set run.log_every=20 run.trajectory_every=0");
+  const auto log = csv_rows(contents(at + "1/log.csv"));
+  const auto column = std::ranges::find(log[0], "Temperature (K)") - log[0].begin();
+  double before = 0, after = 0;
+  for (std::size_t row = 1; row < log.size(); ++row)
+    (row <= 101 ? before : after) += std::stod(log[row][static_cast<std::size_t>(column)]);
+  EXPECT_NEAR(json::parse(said("measure --json " + at + "1"))["temperature_k"]["value"],
+              0.1 * before / 101 + 0.9 * after / 90, 0.3);
+}
+
 // Beads of 1 nm have their first neighbours at 1.1 nm: as far as three shells are seen, not a length that suits water.
 TEST_F(Look, SeesAsFarAsTheSystemIsCoarse) {
   said("run melt --steps 60 --set run.log_every=20 run.trajectory_every=20 --quiet --out " + at + "melt");

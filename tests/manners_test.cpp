@@ -181,6 +181,14 @@ TEST(Manners, RunsAreQuietWhereAsked) {
     EXPECT_TRUE(line.find_first_not_of(" 0123456789.-+e") != line.npos || line.size() <= 80) << line;
 }
 
+// A run that goes on keeps to --threads, as to OMP_NUM_THREADS.
+TEST(Manners, ResumedRunsKeepToThreads) {
+  const TemporaryFolder folder;
+  const std::string out = (folder.path() / "run").string();
+  said("run pair --steps 5 --out " + out);
+  EXPECT_THAT(said("resume " + out + " --steps 5 --threads 2"), HasSubstr("2 threads of "));
+}
+
 // Its end is told in rows where there is no terminal, to people alone.
 TEST(Manners, RunsInAFileSayWhenTheyEnd) {
   const std::string run = "run diatomic --steps 5";

@@ -87,6 +87,15 @@ TEST(Scan, LeavesForeignFilesAlone) {
   said(command + " --quiet");  // its own files are
 }
 
+// As many runs at once as this process may use cores.
+TEST(Scan, TakesTheCoresItMayUse) {
+  const TemporaryFolder folder;
+  const Outcome outcome =
+      taut("scan pair --steps 5 --vary run.dt_fs=1,2 --out " + folder.path().string(),
+           "core=$(taskset -pc $$ | sed 's/.*: //; s/[-,].*//') && OMP_NUM_THREADS=1 taskset -c $core");
+  EXPECT_THAT(outcome.text, HasSubstr("2 runs of 2 settings, 1 at once"));
+}
+
 TEST(Scan, RefusesWhatItCannotRun) {
   const TemporaryFolder folder;
   const std::string out = " --out " + (folder.path() / "scan").string();

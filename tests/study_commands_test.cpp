@@ -272,6 +272,16 @@ TEST_F(CrosscheckCommand, WritesVerdictsSamplesAndPictures) {
     EXPECT_THAT(page(out_), HasSubstr(std::string(">") + run + "<"));
 }
 
+// A folder that takes no more files costs no text.
+TEST_F(CrosscheckCommand, KeepsWhatItMeasured) {
+  fs::create_directory(out_);
+  fs::create_symlink("/dev/full", out_ / "crosscheck.json.part");
+  const auto [exit_code, text] = taut(command_);
+  EXPECT_EQ(exit_code, 3);
+  EXPECT_THAT(
+      text, AllOf(HasSubstr("newton                   agrees"), HasSubstr("crosscheck.json: cannot write")));
+}
+
 // A run that failed is the command's failure, after all is printed and written.
 TEST_F(CrosscheckCommand, FailsWhereARunFailed) {
   const auto [exit_code, text] =

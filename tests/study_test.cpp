@@ -115,6 +115,20 @@ TEST_F(Study, ChartsTheSceneWithPairForcesInEveryPanel) {
   EXPECT_FALSE(plan.has("precision")) << "no pair forces";
 }
 
+// A chain that hangs at rest moves by rounding alone, which is no energy that blows up.
+TEST_F(Study, WhatHangsAtRestDoesNotBlowUp) {
+  const Scene scene = read(R"([build]
+kind = "atoms"
+atoms = [[0, 0, 0, 0], [0, -1, 0, 1], [0, -2, 0, 1], [0, -3, 0, 10]]
+bonds = [[0, 1, 1], [1, 2, 1], [2, 3, 1]]
+velocities = [[0, 0, 0], [0, 0, 0], [0, 0, 0], [0, 0, 0]]
+gravity_nm_ps2 = [0, -9.81, 0]
+[run]
+dt_fs = 1
+)");
+  EXPECT_EQ(try_setting(scene, setting_of("baumgarte"), {}).failure, "");
+}
+
 TEST_F(Study, TrajectoriesAreOfSecondOrder) {
   const ChartPlan plan =
       chart("freely_jointed", {"baumgarte", "feedforward", "rattle", "newton"}, {"build.chains=2"});

@@ -98,6 +98,37 @@ TEST(Knee, LigamentsHoldByAllGainsAndDriftWithoutAny) {
   for (const Overrides& gains : {Overrides{}, physical}) EXPECT_LT(minute_of_swinging(gains, 27).bonds, 0.01);
 }
 
+// σ₊ − 2σ + σ₋ = ¼h⁴|a|², σ₁ = ½h³v·a + ⅛h⁴|a|², with v and a of a motion that holds the leg's length.
+TEST(PlantedFoot, SlidesAsForetoldUnlessItIsHeld) {
+  const double g = 9.81, mass = 70;
+  double sigma = 0, before = 0;
+  std::vector<double> foretold, closed;
+  watch(read_scene(world("planted_foot"), {"method.name=newton"}), [&](const Simulation& s) {
+    const double h = s.scene().run.h();
+    const Vec3 r = s.state().x.col(1), v = s.state().v.col(1), gravity(0, -g, 0);
+    const Vec3 a = gravity - (r.dot(gravity) + v.squaredNorm()) / r.squaredNorm() * r;
+    closed.push_back(mass * (g * r.y() - v.squaredNorm()) / r.norm());
+    foretold.push_back(sigma / 0.9);
+    const double fed = 0.25 * std::pow(h, 4) * a.squaredNorm();
+    const double next =
+        foretold.size() == 1 ? 0.5 * std::pow(h, 3) * v.dot(a) + 0.5 * fed : 2 * sigma - before + fed;
+    before = std::exchange(sigma, next);
+  });
+  const auto off = [](const Simulation& s) { return s.state().x.col(1).norm() - 0.9; };
+  std::size_t n = 0;
+  watch(read_scene(world("planted_foot"), {"method.name=none"}), [&](const Simulation& s) {
+    EXPECT_NEAR(off(s), foretold[n], 1e-4 * std::abs(foretold[n])) << n;
+    ++n;
+  });
+  EXPECT_GT(std::abs(foretold.back()), 1e-5);
+  n = 0;
+  watch(read_scene(world("planted_foot")), [&](const Simulation& s) {
+    EXPECT_LT(std::abs(off(s)), n < 20 ? 2.6e-7 : 1e-9) << n;
+    EXPECT_NEAR(-s.bond_tensions()[0], closed[n], 1e-3 * closed[n]);  // of the ground, upwards along the leg
+    EXPECT_GT(closed[n++], 0);                                        // or else the foot would lift
+  });
+}
+
 double nearest_layers(Scene scene) {
   double nearest = 1e9;
   const std::vector<OneSidedBond> struts = read_scene(world("fold")).system.one_sided;
