@@ -191,6 +191,21 @@ TEST(Decane, TorsionIsTraPPEs) {
   }
 }
 
+// TraPPE's CH3 and CH2.
+TEST(Decane, EndsAndMiddlesHaveTheirNumbers) {
+  const Scene scene = scene_of("decane");
+  const Nonbonded& lj = *scene.terms.nonbonded;
+  for (int a = 0; a < 40; ++a) {
+    const bool end = a % 10 == 0 || a % 10 == 9;
+    EXPECT_EQ(lj.sigma[a], end ? 0.375 : 0.395);
+    EXPECT_EQ(lj.epsilon[a], (end ? 98 : 46) * kBoltzmann);
+  }
+  EXPECT_EQ(lj.exceptions.size(), 128u * (9 + 8 + 7));
+  ASSERT_EQ(scene.terms.angles.size(), 128u * 8);
+  EXPECT_EQ(scene.terms.angles[0].stiffness, 62500 * kBoltzmann);
+  EXPECT_EQ(scene.terms.angles[0].angle, 114 * std::numbers::pi / 180);
+}
+
 // Numbers of OpenMM's tip3p.xml, and of Berendsen et al. 1987.
 TEST(Water, ModelsHaveTheirNumbers) {
   const Scene tip3p = scene_of("water"), spce = scene_of("spce");

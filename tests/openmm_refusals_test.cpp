@@ -69,10 +69,15 @@ INSTANTIATE_TEST_SUITE_P(
         Change{"includeDirectSpace=\"1\"", "includeDirectSpace=\"0\"", "leaves its direct space out"},
         Change{"useSwitchingFunction=\"0\"", "useSwitchingFunction=\"1\"",
                "force 8: CustomNonbondedForce: has useSwitchingFunction"},
+        Change{"useLongRangeCorrection=\"0\"", "useLongRangeCorrection=\"1\"", "has useLongRangeCorrection"},
         Change{"<ParticleOffsets/>",
                "<ParticleOffsets><Offset eps=\"0\" parameter=\"s\" particle=\"0\" q=\"1\" "
                "sig=\"0\"/></ParticleOffsets>",
                "(ParticleOffsets): taut has fixed parameters"},
+        Change{"<ExceptionOffsets/>",
+               "<ExceptionOffsets><Offset eps=\"0\" parameter=\"s\" exception=\"0\" q=\"1\" "
+               "sig=\"0\"/></ExceptionOffsets>",
+               "(ExceptionOffsets): taut has fixed parameters"},
         Change{"<GlobalParameters/>",
                "<GlobalParameters><Parameter default=\"1\" name=\"s\"/></GlobalParameters>",
                "(GlobalParameters): taut has fixed parameters"},
