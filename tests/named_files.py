@@ -1,5 +1,5 @@
-"""Checks that every file that a comment or a page names exists, every heading that a page links to and every test that a page
-cites as `Suite.Name`.
+"""Checks that every file that a comment or a page names exists, every heading that a page links to and every test that
+a page cites as `Suite.Name`.
 
 python3 tests/named_files.py
 """
