@@ -74,7 +74,7 @@ TEST_F(Look, TakesTheTimesOfRowsAndFrames) {
   EXPECT_EQ(uneven["frames_followed"], 126);
   EXPECT_NEAR(uneven["interval_ps"], 0.08, 1e-6);
   const double d = even["diffusion_nm2_per_ps"]["value"];
-  EXPECT_NEAR(uneven["diffusion_nm2_per_ps"]["value"], d, 0.1 * d) << "the same motion";
+  EXPECT_NEAR(uneven["diffusion_nm2_per_ps"]["value"], d, 0.15 * d) << "the same motion";
   const double r2 = even["end_to_end_squared_nm2"]["value"];
   EXPECT_NEAR(uneven["end_to_end_squared_nm2"]["value"], r2, 0.02 * r2);
   EXPECT_THAT(said("measure --join " + at + "1 " + at + "8"),
