@@ -38,6 +38,9 @@ std::vector<Option> Baumgarte::Options::describe() {
     option.about.counts = {sweeps == 0, "without method.sweeps"};
     return option;
   };
+  Option most = solved(most_solves(max_solves));
+  most.meaning =
+      "solves after which a step has failed; where bonds are one-sided, each stands for 1000 sweeps";
   return {{"gains",
            &gains,
            "how α and β are chosen",
@@ -68,7 +71,7 @@ std::vector<Option> Baumgarte::Options::describe() {
            {.range = {.min = 0}}},
           solved(tolerance_of_a_step(tolerance)),
           order_of_extrapolation(extrapolation),
-          solved(most_solves(max_solves))};
+          most};
 }
 
 Baumgarte::Baumgarte(const System& sys, const Options& options, double h)
@@ -223,36 +226,51 @@ bool Baumgarte::has_turned() const {
 }
 
 // Gauss–Seidel: each bond in its turn changes its own λ by −(σ₊ − τ)/(h² A'_kk), with all other λ as they are; λ of a
-// one-sided bond keeps to its sign. Without method.sweeps this goes on until no bond misses more than the tolerance.
+// one-sided bond keeps to its sign. Without method.sweeps this goes on until no bond misses more than the tolerance. Where
+// r₊ · r is not positive, λ pulls the wrong way: a one-sided bond that is slack without λ is left alone there.
 SolveStats Baumgarte::solve_by_sweeps(const System& sys, const Push& push, SolveStats stats) {
   const bool fixed = options_.sweeps > 0;
   const int most = fixed ? options_.sweeps : kSweepsOfASolve * options_.max_solves;
   y_.setZero();
   add_constraint_acceleration(sys, r_, lambda_, y_);
   bool near = false;
+  Residual missed;  // before the corrections of the last sweep
   while (stats.iterations < most && !near) {
-    Residual missed;
+    missed = {};
     for (int k = 0; k < sys.all_bonds(); ++k) {
       if (r_.col(k).isZero(0)) continue;  // left out
       const auto& [i, j, d] = sys.bond(k);
-      const double off = miss(sys, push, k), w_i = sys.inv_mass[i], w_j = sys.inv_mass[j];
-      const double lambda = lambda_[k] - off / (push.drift() * (w_i + w_j) * r_next_.col(k).dot(r_.col(k)));
-      const double more = one_sided(sys.side(k), lambda) - lambda_[k];
+      const double w_i = sys.inv_mass[i], w_j = sys.inv_mass[j];
+      const int side = sys.side(k);
+      const auto add = [&, i = i, j = j](double more) {
+        y_.col(i) -= w_i * more * r_.col(k);
+        y_.col(j) += w_j * more * r_.col(k);
+        lambda_[k] += more;
+      };
+      double off = miss(sys, push, k);
+      if (side != 0 && lambda_[k] != 0 && r_next_.col(k).dot(r_.col(k)) <= 0) {
+        add(-lambda_[k]);
+        off = miss(sys, push, k);
+      }
+      if (side * off > 0 && lambda_[k] == 0) continue;  // slack
+      const double along = r_next_.col(k).dot(r_.col(k));
+      const double lambda = lambda_[k] - off / (push.drift() * (w_i + w_j) * along);
+      if (along <= 0 || !std::isfinite(lambda)) {
+        stats.worst_bond = k;
+        stats.failure = along <= 0 ? Failure::kTurned : Failure::kRanAway;
+        return stats;
+      }
+      const double more = one_sided(side, lambda) - lambda_[k];
       if (more != 0) missed.see(std::abs(off) / (d * d), k);
-      y_.col(i) -= w_i * more * r_.col(k);
-      y_.col(j) += w_j * more * r_.col(k);
-      lambda_[k] += more;
+      add(more);
     }
     ++stats.iterations;
     near = !fixed && missed.value <= options_.tolerance;
-    if (!fixed) stats.worst_bond = missed.bond;
   }
-  if (fixed || near) stats.failure = Failure::kNone;
-  for (int k = sys.all_bonds() - 1; k >= 0; --k)
-    if (!std::isfinite(lambda_[k])) {
-      stats.failure = Failure::kRanAway;
-      stats.worst_bond = k;
-    }
+  if (fixed || near)
+    stats.failure = Failure::kNone;
+  else
+    stats.worst_bond = missed.bond;
   return stats;
 }
 
@@ -266,7 +284,7 @@ std::string describe_baumgarte(const Baumgarte::Options& options, const std::vec
     return how;
   if (options.gains == "numbers" && options.alpha_per_ps == 0 && options.beta_per_ps == 0)
     return "no correction";
-  if (gains.empty()) return "no bonds";
+  if (gains.empty()) return how;  // no bonds, or one-sided ones alone
   const auto [alpha, beta] = gains.front();
   const bool alike = std::ranges::all_of(
       gains, [&, alpha = alpha, beta = beta](const Gains& g) { return g.alpha == alpha && g.beta == beta; });
