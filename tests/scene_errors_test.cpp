@@ -142,6 +142,7 @@ TEST(SceneErrors, StrutsRopesAndSprings) {
                    "expected none, baumgarte, shake, rattle"}});
   const std::string by_default = rope.text.substr(0, rope.text.find("[method]"));
   EXPECT_EQ(read(by_default).method.name(), "rattle");
+  EXPECT_EQ(read(by_default + "[method]\nmax_sweeps = 77\n").method.name(), "rattle");
   expect_said(rope, {{"steps = 20", "minimise = true", "run.minimise: moves atoms through one-sided bonds"}});
 }
 

@@ -20,9 +20,8 @@
 namespace taut {
 namespace {
 
-// Takes a method that holds struts and ropes where none is asked for, and refuses settings that do not support them.
-void settle_one_sided(const TomlTable& root, const TomlTable& run, Scene& scene) {
-  if (!root.has("method")) scene.method = default_options(kUsualOneSidedMethod);
+// Refuses settings that do not support struts and ropes.
+void refuse_for_one_sided(const TomlTable& root, const TomlTable& run, const Scene& scene) {
   if (scene.run.minimise)
     run.fail("minimise", "moves atoms through one-sided bonds (at_least, at_most): leave it out");
   try {
@@ -175,7 +174,6 @@ Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::tab
   Scene scene;
   scene.name = file.stem().string();
   scene.files = {file};
-  scene.method = default_options(kUsualMethod);
   const bool another_start = bool(overrides["build"]["start"]);
   for (const char* name : {"build", "forcefield", "run", "method"})
     TomlTable(base, file.string()).section(name);  // throws if it is no section
@@ -186,7 +184,7 @@ Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::tab
   move_files(base, how.files);
   const TomlTable root(base, file.string(), how.keys);
   read_words(root, scene);
-  read_settings(root, scene);
+  read_run(root.section("run"), scene.run);
   for (const char* known : {"run", "method", "atom", "molecule", "place", "pair", "wall", "bias"})
     root.has(known);
   const TomlTable build_keys = root.section("build"), forcefield_keys = root.section("forcefield");
@@ -195,13 +193,16 @@ Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::tab
   build({root, build_keys, forcefield_keys, scene.run, how.listen}, scene);
   hear(how.listen);
   read_biases(root, scene);
+  const bool one_sided = !scene.system.one_sided.empty();
+  scene.method = default_options(one_sided ? kUsualOneSidedMethod : kUsualMethod);
+  read_method(root, scene.method);
+  if (one_sided) refuse_for_one_sided(root, run_keys, scene);
   for (const auto* name : file_names(base)) scene.files.push_back(path_of(*name));
   settle_pulls(run_keys, scene);
   settle_velocities(run_keys, another_start, scene);
   check_barostat(run_keys, scene);
   note_what_is_not_balanced(scene);
   if (!set_aside.empty()) scene.notes.push_back(set_aside);
-  if (!scene.system.one_sided.empty()) settle_one_sided(root, run_keys, scene);
   build_keys.reject_unknown();
   forcefield_keys.reject_unknown();
   check_tables_cover(scene.terms, scene.start.x);
