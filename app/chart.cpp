@@ -126,14 +126,14 @@ void show(const ChartPlan& plan, Study& study) {
                          "error. An arrow: zero is inside, and the drift at most that. The figures have the "
                          "bonds' share of it.",
                          plan.drift_steps));
-  study.show(
-      {"order",
-       fmt::format("{}distance from the exact trajectory after {:g} fs", of,
-                   kOrderSteps * plan.scene.run.dt_fs),
-       order_csv(plan, ledger)},
-      "Trajectory error against step",
-      "Distance from a run of newton at 1e-12 and a step of a quarter of the finest shown. The order is "
-      "the slope; iterative methods are held to 1e-11.");
+  study.show({"order",
+              fmt::format("{}distance from the exact trajectory after {:g} fs", of,
+                          kOrderSteps * plan.scene.run.dt_fs),
+              order_csv(plan, ledger)},
+             "Trajectory error against step",
+             "Distance from a run of newton (rattle where bonds are one-sided) at 1e-12 and a step of a "
+             "quarter of the finest shown. The order is "
+             "the slope; iterative methods are held to 1e-11.");
   study.show({"length", "cost against the length of freely jointed chains", length_csv(plan, ledger)},
              "Cost against chain length",
              "Freely jointed chains at 10 fs; iterative methods at tolerance 1e-8, the others at their "

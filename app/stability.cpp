@@ -101,7 +101,7 @@ void print_plane(const std::vector<Job>& plane, const Ledger& ledger) {
   const auto failed = std::count_if(plane.begin() + 1, plane.end(),
                                     [&](const Job& job) { return ledger.at(job.name).failed(); });
   say("\n{} of {} gains failed or were refused: × in the picture, reasons in plane.csv\n", failed,
-      plane.size() - 1);  // one of the trials is newton's
+      plane.size() - 1);  // one of the trials is the reference's
 }
 
 void stability(const StabilityArguments& arguments) {
@@ -128,7 +128,7 @@ void stability(const StabilityArguments& arguments) {
        {{"limits", limits}}},
       "Baumgarte's gains",
       fmt::format("Above: steps survived of {}. Below: energy drift where all were survived, × where not. "
-                  "The drift of newton in as many steps is beside them. "
+                  "The drift of newton (rattle where bonds are one-sided) in as many steps is beside them. "
                   "Dashed: the limit by the propagator's roots, for one bond; gains beyond it are refused.",
                   plan.plane_steps));
   study.show(

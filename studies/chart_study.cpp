@@ -64,14 +64,14 @@ struct Reference {
   Listen listen;
   std::optional<Vectors> x = {};
 
+  std::string method() const { return reference_method(scene.system); }
   const Vectors& positions() {
     if (x) return *x;
     Scene fine = scene;
     fine.run.dt_fs /= divisor;
     State end;
-    const Setting newton{"newton", "", "", {"method.name=newton", "method.tolerance=1e-12"}};
-    const Trial trial =
-        try_setting(fine, newton, {.steps = kOrderSteps * divisor, .rows = 1, .listen = listen}, end);
+    const Trial trial = try_setting(fine, held_to("1e-12", method()),
+                                    {.steps = kOrderSteps * divisor, .rows = 1, .listen = listen}, end);
     x = trial.failed() ? Vectors() : end.x;
     return *x;
   }
@@ -89,7 +89,8 @@ Trial compared(const ChartPlan& plan, const std::string& method, int divisor, Re
   if (x.cols() == end.x.cols())
     trial.figure = rms_distance(end.x, x);
   else
-    trial.failure = "no reference to compare with: newton failed at the fine step";
+    trial.failure =
+        fmt::format("no reference to compare with: {} failed at the fine step", reference.method());
   return trial;
 }
 
