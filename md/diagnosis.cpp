@@ -8,6 +8,20 @@
 namespace taut {
 namespace {
 
+// For one-sided bonds, which not every method holds.
+std::string_view one_sided_advice(Failure failure) {
+  switch (failure) {
+    case Failure::kTurned:
+    case Failure::kSingularOrTurned:
+      return "the bond turns too fast for the step: take a shorter one, or a cooler start";
+    case Failure::kNoConvergence:
+    case Failure::kVelocitiesNoConvergence:
+      return "take a shorter step, a looser tolerance, or more sweeps (method.max_sweeps of rattle)";
+    default:
+      return "take a shorter step, or rattle, which holds bonds more firmly";
+  }
+}
+
 std::string_view advice(Failure failure) {
   switch (failure) {
     case Failure::kTurned:
@@ -33,7 +47,7 @@ Diagnosis diagnose(const System& sys, const State& s, const SolveStats& stats, l
   d.step = step;
   d.t = s.t;
   d.cause = stats.converged() ? "a bond broke or a number ran away" : in_words(stats.failure);
-  d.advice = advice(stats.failure);
+  d.advice = sys.one_sided.empty() ? advice(stats.failure) : one_sided_advice(stats.failure);
   if (stats.worst_bond >= 0) {
     d.bond = stats.worst_bond;
     d.held = sys.bond(d.bond);

@@ -47,8 +47,10 @@ Doubt of_bonds(const Summary& s) {
     return fmt::format("bonds are off by up to {:.1e}, more than the method promises; take a shorter step",
                        s.max_rel_bond_error);
   if (s.max_rel_bond_error > kStretched)
-    return fmt::format("bonds are off by up to {:.2g} %; take method newton, or a shorter step",
-                       100 * s.max_rel_bond_error);
+    return fmt::format(
+        "bonds are off by up to {:.2g} %; take method newton (rattle where bonds are one-sided), or a "
+        "shorter step",
+        100 * s.max_rel_bond_error);
   return {};
 }
 
@@ -71,13 +73,15 @@ Doubt of_drift(const Summary& s, const Energy& unit) {
       !(std::abs(bonds.value) <= 0.5 * std::abs(s.drift.value)))  // under a barostat: theirs alone is known
     return fmt::format("the constraints {} by {:.2g} kJ/mol a nanosecond and degree of freedom{}; {}",
                        bonds.value > 0 ? "heat" : "cool", std::abs(bonds.value), thermostat,
-                       s.converged ? "take a shorter step" : "feedforward at the same price does not");
+                       s.converged
+                           ? "take a shorter step"
+                           : "feedforward at the same price does not (where bonds are one-sided: rattle)");
   if (std::abs(s.drift.value) > unit.least && std::abs(s.drift.value) > kErrors * s.drift.error)
     return fmt::format("the energy drifts by {} a nanosecond and degree of freedom{}; {}",
                        unit.in_words(s.drift.value), thermostat,
                        s.converged == true
                            ? "take a shorter step, or let pair forces end smoothly (forcefield.switch_nm)"
-                           : "take method newton, or a shorter step");
+                           : "take method newton (rattle where bonds are one-sided), or a shorter step");
   return {};
 }
 
@@ -159,7 +163,8 @@ Doubt of_kinds(const StartAndEnd& ends) {
     const bool bath = ends.relaxation > 0;
     const Judged kind{" of " + name, dof, bath ? ends.expected : first, temperature};
     if (!bath && !far_from_start(ends, {"", dof, ends.temperature.value, temperature})) continue;
-    Doubt doubt = of_temperature(ends, kind, "take method newton, or a shorter step");
+    Doubt doubt = of_temperature(ends, kind,
+                                 "take method newton (rattle where bonds are one-sided), or a shorter step");
     const double off = std::abs(std::log(temperature.value / kind.expected));
     if (doubt && off > farthest) worst = std::move(doubt), farthest = off;
   }

@@ -289,7 +289,8 @@ TEST(Doubts, OfConstraintsThatHeat) {
     return all.empty() ? "" : all[0];
   };
   const std::string heat = "the constraints heat by 4.5 kJ/mol a nanosecond and degree of freedom; ";
-  EXPECT_EQ(said({5, 0.9}, {4.5, 0.1}), heat + "feedforward at the same price does not");
+  EXPECT_EQ(said({5, 0.9}, {4.5, 0.1}),
+            heat + "feedforward at the same price does not (where bonds are one-sided: rattle)");
   EXPECT_EQ(said({-1, 0.1}, {-0.9, 0.1}).substr(0, 31), "the constraints cool by 0.9 kJ/");
   EXPECT_EQ(said({1, 0.01}, {0.5, 0.01}), "");  // a fifth of kT
   EXPECT_EQ(said({1, 0.01}, {0.9, 0.3}), "");   // chance
