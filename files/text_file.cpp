@@ -100,8 +100,17 @@ std::string whole_text(const fs::path& file, const Listen& listen) {
 }
 
 std::string contents_of(const fs::path& file) {
+  std::error_code unseen;
+  if (!fs::exists(file, unseen) && !unseen) return "";
+  if (fs::is_directory(file, unseen))
+    throw OutsideError(fmt::format("{}: cannot be read: is a folder", file.string()));
   std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
+  if (!in) throw OutsideError(fmt::format("{}: cannot be read: {}", file.string(), std::strerror(errno)));
+  try {
+    return {std::istreambuf_iterator<char>(in), {}};
+  } catch (const std::ios_base::failure& e) {
+    throw OutsideError(fmt::format("{}: cannot be read: {}", file.string(), e.what()));
+  }
 }
 
 }  // namespace taut

@@ -17,7 +17,8 @@ std::filesystem::path without_compression(const std::filesystem::path& file);
 // Throws InputError.
 std::string whole_text(const std::filesystem::path& file, const Listen& listen = {});
 
-// Returns the contents of a file as they are, or nothing if it does not exist.
+// Returns the contents of a file as they are, or nothing if it does not exist. Throws OutsideError
+// where it cannot be read.
 std::string contents_of(const std::filesystem::path& file);
 
 }  // namespace taut
