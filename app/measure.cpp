@@ -89,12 +89,13 @@ void measure(const MeasureArguments& arguments) {
   if (scans && folders.size() > 1) throw InputError("a scan is measured alone: give its folder and no other");
   Notes notes;
   if (scans) {
-    const MeasuredGroups all{measure_scan(folders[0], settings, notes)};
+    const MeasuredGroups all =
+        with_notes(notes, [&] { return MeasuredGroups{measure_scan(folders[0], settings, notes)}; });
     return show_groups(arguments, all, notes);
   }
   if (folders.size() == 1 || arguments.join) return measure_one(arguments, MeasuredRun(folders, settings));
   std::vector<RunGroup> groups;
-  groups.push_back(measure_group("", folders, settings, notes));
+  groups.push_back(with_notes(notes, [&] { return measure_group("", folders, settings, notes); }));
   groups[0].label = groups[0].runs.front().scene().name;
   show_groups(arguments, {std::move(groups)}, notes);
 }

@@ -8,8 +8,12 @@
 
 namespace taut {
 
-void MeasuredGroups::print(const Notes& notes) const {
+void print_notes(const Notes& notes) {
   for (const std::string& note : notes) say("note: {}\n", note);
+}
+
+void MeasuredGroups::print(const Notes& notes) const {
+  print_notes(notes);
   for (const RunGroup& group : groups) {
     say_text(in_words(group, terminal_width()));
     if (json_alone()) continue;

@@ -18,4 +18,16 @@ struct MeasuredGroups {
   void draw(StudyFiles& files) const;
 };
 
+void print_notes(const Notes& notes);
+
+// Returns what `measure` returns, and prints the notes that it took where it throws.
+auto with_notes(const Notes& notes, auto&& measure) {
+  try {
+    return measure();
+  } catch (...) {
+    print_notes(notes);
+    throw;
+  }
+}
+
 }  // namespace taut

@@ -233,8 +233,9 @@ void scan(const ScanArguments& arguments) {
     throw InputError(fmt::format("every run of the scan failed; the first says: {}",
                                  contents_of(runs[0].folder.string() + ".log")));
   Notes notes;
-  const MeasuredGroups all{measure_scan(
-      arguments.out, {.atoms = {}, .from = {}, .last = {}, .automatic = true, .viscosity = {}}, notes)};
+  const MeasureSettings settings{.atoms = {}, .from = {}, .last = {}, .automatic = true, .viscosity = {}};
+  const MeasuredGroups all =
+      with_notes(notes, [&] { return MeasuredGroups{measure_scan(arguments.out, settings, notes)}; });
   all.print(notes);
   if (json_alone()) write_json(all.json());
   StudyFiles files(arguments.out, arguments.pictures);
