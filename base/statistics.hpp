@@ -55,13 +55,13 @@ class RunningMean {
   void serialize(Archive& archive) {
     archive(blocks_, length_, full_, open_, sum_, in_open_, steps_);
     archive.demand(0 <= full_ && full_ < kMost && 0 <= in_open_ && in_open_ < std::max(1L, length_));
-    archive.demand((full_ == 0 ? 0 : 1) <= length_ && length_ <= kLongest && 0 <= steps_ &&
-                   steps_ <= kLongest);
+    archive.demand((full_ == 0 ? 0 : 1) <= length_ && length_ <= kMostSteps / 4 && 0 <= steps_ &&
+                   steps_ <= kMostSteps / 2);  // there is room to go on
   }
 
  private:
   static constexpr int kMost = 32;
-  static constexpr long kLongest = std::numeric_limits<long>::max() / 128;  // more steps than anybody takes
+  static constexpr long kMostSteps = std::numeric_limits<long>::max();
 
   void add_to_open(double y, long steps);
 
