@@ -25,7 +25,7 @@ struct Checkpoint {
 };
 
 // In CBOR (RFC 8949), an envelope with a checksum around a body:
-//     {"format": "taut checkpoint", "version": 9, "checksum": FNV-1a of the body, "body": bytes}
+//     {"format": "taut checkpoint", "version": 10, "checksum": FNV-1a of the body, "body": bytes}
 std::string to_bytes(const Checkpoint& checkpoint);
 
 // Throws InputError, one line: not a checkpoint, another version, truncated, damaged. Takes no more memory

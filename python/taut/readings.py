@@ -155,7 +155,7 @@ class Readings:
 
     @property
     def notes(self) -> List[str]:
-        """Remarks on the start, a line each, and where the folder's earlier run is kept."""
+        """Remarks on the start and on the present step, a line each, and where the folder's earlier run is kept."""
         return self._engine.notes
 
     @property
