@@ -8,12 +8,12 @@
 
 namespace taut {
 
-void print_notes(const Notes& notes) {
+void print_notes_of_groups(const Notes& notes) {
   for (const std::string& note : notes) say("note: {}\n", note);
 }
 
 void MeasuredGroups::print(const Notes& notes) const {
-  print_notes(notes);
+  print_notes_of_groups(notes);
   for (const RunGroup& group : groups) {
     say_text(in_words(group, terminal_width()));
     if (json_alone()) continue;

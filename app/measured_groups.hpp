@@ -18,14 +18,14 @@ struct MeasuredGroups {
   void draw(StudyFiles& files) const;
 };
 
-void print_notes(const Notes& notes);
+void print_notes_of_groups(const Notes& notes);
 
 // Returns what `measure` returns, and prints the notes that it took where it throws.
 auto with_notes(const Notes& notes, auto&& measure) {
   try {
     return measure();
   } catch (...) {
-    print_notes(notes);
+    print_notes_of_groups(notes);
     throw;
   }
 }
