@@ -7,7 +7,7 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
-from typing import Any, Dict, List, Tuple
+from typing import Any, Dict, Iterator, List, Tuple
 
 import jsonschema
 import numpy as np
@@ -40,12 +40,10 @@ def find_faults_of_numbers(case: Dict[str, Any]) -> List[str]:
     n = len(system["masses_u"])
     faults = [f"{key} has {len(start[key])} atoms, masses_u {n}"
               for key in ("positions_nm", "velocities_nm_per_ps") if key in start and len(start[key]) != n]
-    for list_name, of in (("bonds", system["bonds"]), ("forces", system["forces"])):
-        for number, one in enumerate(of):
-            for atom in [*one.get("atoms", []), *([one["atom"]] if "atom" in one else [])]:
-                if atom >= n:
-                    faults.append(f"{list_name}/{number} names atom {atom} of {n}")
-    for ask in case["asks"]:
+    faults += [f"{place} names atom {atom} of {n}" for place, atoms in atoms_named(case) for atom in atoms if atom >= n]
+    faults += find_faults_of_system(system)
+    for number, ask in enumerate(case["asks"]):
+        faults += [f"asks/{number}: {fault}" for fault in find_faults_of_ask(case, ask)]
         script = ask.get("made_by")
         if script and not (HERE / script).exists():
             faults.append(f"there is no {script}")
@@ -77,6 +75,55 @@ def find_stale(path: Path, asked: Dict[Tuple[str, str], Any]) -> List[str]:
             faults.append(f"{one['case']}: {one['what']} is judged by {one['tolerance']:g}, the case has {asked[key]:g}: "
                           "run it again")
     return faults
+
+
+def atoms_named(case: Dict[str, Any]) -> Iterator[Tuple[str, List[int]]]:
+    """Each place of the case that names atoms, with those."""
+    system = case["system"]
+    for key in ("bonds", "forces", "virtual_sites"):
+        for number, one in enumerate(system.get(key, [])):
+            yield f"{key}/{number}", [*one.get("atoms", []), *([one["atom"]] if "atom" in one else []), *one.get("of", [])]
+            for pair in one.get("excluded", []):
+                yield f"{key}/{number}/excluded", pair
+    for number, atoms in enumerate(system.get("molecules", [])):
+        yield f"molecules/{number}", atoms
+    for number, ask in enumerate(case["asks"]):
+        of = ask.get("of", [])
+        while of and of[0] == "square":
+            of = of[1]
+        each = ask.get("each", 0)  # the last shift is the largest
+        last = (len(system["masses_u"]) - 1) // each * each if each else 0
+        yield f"asks/{number}/of", [atom + last for atom in of[1:]]
+
+
+def find_faults_of_system(system: Dict[str, Any]) -> Iterator[str]:
+    n = len(system["masses_u"])
+    for number, bond in enumerate(system["bonds"]):
+        if "image" in bond and "box_nm" not in system:
+            yield f"bonds/{number} has an image, but there is no box_nm"
+    for number, force in enumerate(system["forces"]):
+        for key in ("sigma_nm", "epsilon_kj_per_mol", "charges_e"):
+            if key in force and len(force[key]) != n:
+                yield f"forces/{number}/{key} has {len(force[key])} numbers, masses_u {n}"
+    for number, site in enumerate(system.get("virtual_sites", [])):
+        if len(site["of"]) != len(site["weights"]):
+            yield f"virtual_sites/{number} has {len(site['of'])} parents and {len(site['weights'])} weights"
+
+
+def find_faults_of_ask(case: Dict[str, Any], ask: Dict[str, Any]) -> Iterator[str]:
+    what, system = ask["what"], case["system"]
+    if (what == "refusal") != (ask["kind"] == "refused"):
+        yield f"{what} cannot be of kind {ask['kind']}"
+        return
+    n, bonds = len(system["masses_u"]), len(system["bonds"])
+    shape = {"positions_nm": (n, 3), "velocities_nm_per_ps": (n, 3), "tensions_kj_per_mol_nm": (bonds,)}.get(what, ())
+    found = np.shape(ask["right"])
+    if found != shape:
+        yield f"right of {what} has the shape {found}, not {shape}"
+    if what == "drift_kt_per_ns_dof" and "reference_k" not in case["run"]:
+        yield f"{what} needs reference_k in run"
+    if what.startswith("temperature_") and not system.get("molecules"):
+        yield f"{what} needs molecules in system"
 
 
 def main() -> int:

@@ -4,14 +4,20 @@ from __future__ import annotations
 
 import copy
 import functools
+import re
 from typing import Any, Callable, Dict, List
 
 import numpy as np
 
-from quantities import Case, measure
+from quantities import Case, NotTold, Rows, measure
 
 Result = Dict[str, Any]
 Verdict = Dict[str, Any]
+
+# What a run without motion has as it should be.
+CONSERVED = {"bond_error", "momentum_u_nm_per_ps", "angular_momentum_u_nm2_per_ps", "energy_kj_per_mol",
+             "energy_range_kj_per_mol", "drift_kt_per_ns_dof", "reversal_nm"}
+LEAST_MOTION = 1e-9  # nm, rounding of files
 
 
 class Runs:
@@ -46,12 +52,12 @@ class Runs:
     def _with_arrays(self, case: Case) -> Result:
         result = self._run(case)
         if "rows" in result:
-            result["rows"] = {key: np.asarray(values, dtype=float) for key, values in result["rows"].items()}
+            result["rows"] = Rows({key: np.asarray(values, dtype=float) for key, values in result["rows"].items()})
         return result
 
 
 class NoValue(Exception):
-    """A run has no value for an ask: it was not offered or refused."""
+    """A run has no value for an ask: it was not offered or refused, or failed as a whole."""
 
     def __init__(self, verdict: str, why: str) -> None:
         super().__init__(why)
@@ -63,10 +69,26 @@ def value_of(case: Case, ask: Dict[str, Any], result: Result) -> np.ndarray:
         raise NoValue("not offered", result["why"])
     if "refused" in result:
         raise NoValue("refused", result["refused"])
+    fault = find_fault(case, ask, result["rows"])
+    if fault:
+        raise NoValue("failed", fault)
     try:
         return measure(case, ask, result)
-    except KeyError as missing:
+    except NotTold as missing:
         raise NoValue("not offered", f"the engine does not tell {missing.args[0]}") from None
+
+
+def find_fault(case: Case, ask: Dict[str, Any], rows: Rows) -> str:
+    """Why no value of these rows counts; empty if they do. What never moves conserves all, and would pass for it."""
+    for key, values in rows.items():
+        if not np.isfinite(values).all():
+            return f"{key} are not finite"
+    start = case["start"]
+    driven = "temperature_k" in start or np.any(start["velocities_nm_per_ps"]) or bool(case["system"]["forces"])
+    if ask["what"] in CONSERVED and driven and case["run"]["steps"] > 0 and "positions_nm" in rows:
+        if np.abs(rows["positions_nm"] - rows["positions_nm"][0]).max() < LEAST_MOTION:
+            return "nothing moves"
+    return ""
 
 
 def error_of(ask: Dict[str, Any], value: np.ndarray) -> float:
@@ -79,6 +101,7 @@ def error_of(ask: Dict[str, Any], value: np.ndarray) -> float:
 
 def judge_exact(case: Case, ask: Dict[str, Any], runs: Runs) -> Verdict:
     if ask["what"] == "reversal_nm":
+        value_of(case, {**ask, "what": "bond_error"}, runs.of(0, 1))  # the way there must be one
         back = value_of(case, {**ask, "what": "positions_nm"}, runs.reversed())
         value = np.asarray(np.abs(back - np.asarray(case["start"]["positions_nm"])).max())
     else:
@@ -89,9 +112,9 @@ def judge_exact(case: Case, ask: Dict[str, Any], runs: Runs) -> Verdict:
 
 def judge_convergence(case: Case, ask: Dict[str, Any], runs: Runs) -> Verdict:
     whole, half = (error_of(ask, value_of(case, ask, runs.of(halvings, 1))) for halvings in (0, 1))
-    falls = half <= max(whole / 3, ask.get("floor", 0.0))
+    falls = np.isfinite(whole) and half <= max(whole / 3, ask.get("floor", 0.0))
     ratio = whole / half if half > 0 else float("inf")
-    made = {"verdict": verdict(half <= ask["tolerance"] and falls), "error": half}
+    made = {"verdict": verdict(bool(half <= ask["tolerance"] and falls)), "error": half}
     if half > ask.get("floor", 0.0):
         made["falls_by"] = round(ratio, 2)
     return made
@@ -108,7 +131,19 @@ def judge_refusal(case: Case, ask: Dict[str, Any], runs: Runs) -> Verdict:
     result = runs.of(0, 1)
     if not result.get("offered", True):
         raise NoValue("not offered", result["why"])
-    return {"verdict": verdict("refused" in result), "why": result.get("refused", "it ran on without a word")}
+    why = result.get("refused", "it ran on without a word")
+    if refuses_the_masses(case, why):
+        raise NoValue("not offered", why)
+    broke = re.search(r"\bnan\b|non-numeric", why, re.IGNORECASE)  # it ran until numbers broke, and did not refuse
+    return {"verdict": verdict("refused" in result and not broke), "why": why}
+
+
+def refuses_the_masses(case: Case, why: str) -> bool:
+    """Whether the message is of masses of 0, which the engine has no use for, where what is wrong is another thing."""
+    system = case["system"]
+    of_any = re.search(r"invalid mass value", why, re.IGNORECASE) and min(system["masses_u"]) >= 0
+    in_a_bond = re.search(r"massless|frozen", why, re.IGNORECASE) and not system.get("virtual_sites")
+    return bool(of_any or in_a_bond)
 
 
 def verdict(passed: bool) -> str:

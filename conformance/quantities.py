@@ -1,7 +1,7 @@
 """What a case asks for, computed from the rows of a run in the same way for every engine.
 
 A row is a moment of the run. The rows are a dict of arrays whose first index is the row; README.md lists its keys.
-A quantity that the rows do not suffice for is a KeyError of the missing key: the engine does not offer it.
+A quantity that the rows do not suffice for is NotTold with the missing key: the engine does not offer it.
 """
 
 from __future__ import annotations
@@ -11,7 +11,16 @@ from typing import Any, Callable, Dict, List
 import numpy as np
 
 Case = Dict[str, Any]
-Rows = Dict[str, np.ndarray]
+
+
+class NotTold(Exception):
+    """The engine does not tell a key that a quantity needs."""
+
+
+class Rows(Dict[str, np.ndarray]):
+    def __missing__(self, key: str) -> np.ndarray:
+        raise NotTold(key)
+
 
 BOLTZMANN = 0.00831446261815324  # kJ/mol/K
 
@@ -100,7 +109,7 @@ def temperatures(case: Case, rows: Rows) -> Dict[str, float]:
 def settle_in(rows: Rows) -> Rows:
     """The rows without their first fifth, of which no mean is taken."""
     begin = (len(rows["step"]) + 4) // 5
-    return {key: values[begin:] for key, values in rows.items()}
+    return Rows({key: values[begin:] for key, values in rows.items()})
 
 
 def evaluate(of: List[Any], positions: np.ndarray, shift: int) -> float:
@@ -146,6 +155,8 @@ def measure(case: Case, ask: Dict[str, Any], result: Dict[str, Any]) -> np.ndarr
     """The value that the run's result has for what is asked."""
     what, rows = ask["what"], result["rows"]
     if what == "degrees_of_freedom":
+        if what not in result:
+            raise NotTold(what)
         return np.asarray(result[what], dtype=float)
     if what == "pressure_bar":
         statistical = ask["kind"] == "statistical"

@@ -79,6 +79,43 @@ def change_rows(result, **change):
     return made
 
 
+def test_an_engine_of_nan_passes_nothing(suite, runner):
+    def run_with_nan(varied):
+        result = runner.run(varied, "newton")
+        return change_rows(result, **{key: lambda rows, key=key: np.nan * rows[key] for key in result.get("rows", {})})
+
+    for case in suite.read_cases(["pendulum", "butane", "momenta", "freedom_of_waters"]):
+        if all(ask["kind"] != "statistical" for ask in case["asks"]):
+            verdicts = {one["verdict"] for one in suite.judge_case(case, run_with_nan)}
+            assert "passed" not in verdicts, case["name"]
+
+
+def test_nan_at_the_whole_step_does_not_converge(suite, runner):
+    case = case_called(suite, "pendulum")
+
+    def run_with_nan(varied):
+        whole = varied["run"]["step_ps"] == case["run"]["step_ps"]
+        return change_rows(runner.run(varied, "newton"), positions_nm=lambda rows: (np.nan if whole else 1) * rows["positions_nm"])
+
+    verdicts = {one["what"]: one["verdict"] for one in suite.judge_case(case, run_with_nan)}
+    assert verdicts["positions_nm"] == verdicts["bond_error"] == "failed"
+
+
+def test_an_engine_that_never_moves_conserves_nothing(suite):
+    def stand_still(varied):
+        at, n = np.array(varied["start"]["positions_nm"], float), 3
+        v = np.array(varied["start"].get("velocities_nm_per_ps", 0 * at), float)
+        zero = np.zeros(n)
+        return {"rows": {"step": np.arange(n), "positions_nm": np.stack([at] * n), "velocities_nm_per_ps": np.stack([v] * n),
+                         "potential_kj_per_mol": zero, "kinetic_kj_per_mol": zero}}
+
+    cases = suite.read_cases(["conservation/"])
+    assert len(cases) > 20
+    for case in cases:
+        verdicts = suite.judge_case(case, stand_still)
+        assert "passed" not in {one["verdict"] for one in verdicts}, (case["name"], verdicts)
+
+
 def kinetic_pressure(rows):
     """Of atoms, without what bonds add: 27 nm³."""
     return 2 * rows["kinetic_kj_per_mol"] / 81 * 16.605390671738466
@@ -128,6 +165,19 @@ def test_a_refusal_needs_a_word(suite):
     assert [one["verdict"] for one in ran_on + refused] == ["failed", "passed"]
 
 
+@pytest.mark.parametrize("name, why, verdict", [
+    ("triangle_that_cannot_be", "Particle coordinate is NaN", "failed"),
+    ("bond_of_no_length", "Non-numeric atom coords - simulation unstable", "failed"),
+    ("chain_too_short_for_its_ends", "A constraint cannot involve a massless particle", "not offered"),
+    ("bond_to_a_virtual_site", "A constraint cannot involve a massless particle", "passed"),
+    ("bond_to_a_virtual_site", "Invalid mass value 0", "not offered"),
+    ("negative_mass", "Invalid mass value -1", "passed"),
+])
+def test_a_refusal_is_of_what_is_wrong(suite, name, why, verdict):
+    made = suite.judge_case(case_called(suite, name), lambda varied: {"refused": why})
+    assert [one["verdict"] for one in made] == [verdict]
+
+
 def test_a_runner_that_breaks_fails(suite):
     verdicts = suite.judge_case(case_called(suite, "pendulum"), lambda varied: 1 / 0)
     assert {one["verdict"] for one in verdicts} == {"failed"}
@@ -148,6 +198,8 @@ def test_right_values_follow_from_their_formulas(tmp_path, monkeypatch):
     assert len(written) > 35
     for path in written:
         kept = FOLDER / "cases" / path.relative_to(tmp_path)
-        for one, other in zip(*(json.loads(file.read_text())["asks"] for file in (path, kept))):
+        written_asks, kept_asks = (json.loads(file.read_text())["asks"] for file in (path, kept))
+        assert len(written_asks) == len(kept_asks), path.stem
+        for one, other in zip(written_asks, kept_asks):
             rights = [np.array(ask["right"], float) for ask in (one, other)]
             np.testing.assert_allclose(*rights, rtol=1e-6, atol=1e-9, err_msg=path.stem)
