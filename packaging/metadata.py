@@ -31,7 +31,8 @@ def made():
     c = citation()
     codemeta = {
         "@context": "https://w3id.org/codemeta/3.0", "@type": "SoftwareSourceCode", "name": "taut",
-        "description": c["abstract"], "version": c["version"], "dateModified": c["date-released"],
+        "description": c["abstract"], "version": c["version"],
+        **({"dateModified": c["date-released"]} if "date-released" in c else {}),  # released versions have a day
         "license": f"https://spdx.org/licenses/{c['license']}", "keywords": c["keywords"],
         "author": [{"@type": "Organization", "name": name} for name in c["authors"]],
         "programmingLanguage": ["C++", "Python"], "operatingSystem": "Linux", "developmentStatus": "active",

@@ -129,7 +129,7 @@ class System:
     def _nonbonded(self, term: Dict[str, Any], x: np.ndarray, force: np.ndarray) -> float:
         sigma, epsilon, charge = (term[key] for key in ("sigma_nm", "epsilon_kj_per_mol", "charges_e"))
         excluded, energy = {tuple(sorted(pair)) for pair in term["excluded"]}, 0.0
-        cutoff, dielectric = term.get("cutoff_nm"), term.get("solvent_dielectric", 1.0)
+        cutoff, dielectric = term.get("cutoff_nm"), term.get("solvent_dielectric", 78.3)
         bare = not cutoff  # else OpenMM's reaction field
         k_rf = 0 if bare else (dielectric - 1) / (2 * dielectric + 1) / cutoff**3
         c_rf = 0 if bare else 3 * dielectric / (2 * dielectric + 1) / cutoff
