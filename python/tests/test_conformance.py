@@ -60,6 +60,21 @@ def test_cases_keep_to_the_schema(suite, capsys):
     assert sum(path.stat().st_size for path in FOLDER.glob("cases/*/*.json")) < 600_000
 
 
+@pytest.mark.parametrize("name, spoil, said", [
+    ("pendulum", lambda case: case["asks"][0].update(right=0), "shape"),
+    ("pendulum", lambda case: case["asks"][0].update(kind="refused"), "cannot be of kind"),
+    ("pendulum", lambda case: case["system"]["bonds"][0].update(image=[1, 0, 0]), "no box_nm"),
+    ("drift_of_butane", lambda case: case["run"].pop("reference_k"), "needs reference_k"),
+    ("gas_of_dumbbells", lambda case: case["system"].pop("molecules"), "needs molecules"),
+    ("gas_of_dumbbells", lambda case: case["system"]["molecules"].append([999]), "names atom 999"),
+])
+def test_a_faulty_case_is_found(suite, name, spoil, said):
+    pytest.importorskip("jsonschema", reason="needs Debian's python3-jsonschema, or jsonschema from PyPI")
+    case = copy.deepcopy(case_called(suite, name))
+    spoil(case)
+    assert said in load("conformance_check", FOLDER / "check.py").find_faults_of_numbers(case)[0]
+
+
 @pytest.mark.parametrize("method", METHODS)
 def test_taut_passes_all_but_what_the_matrix_says(suite, runner, method):
     cases = fixed_cases(suite)
