@@ -21,7 +21,9 @@ CALLS = {
     "crosscheck": 'taut.crosscheck("water")',
 }
 PROGRAM = """
+import signal
 import taut
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it
 print("begun", flush=True)
 try:
     {}
