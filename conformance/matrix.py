@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import re
 import sys
+import textwrap
 from collections import Counter, defaultdict
 from pathlib import Path
 from typing import Any, Dict, List, Tuple
@@ -115,7 +116,7 @@ def case_tables(results: List[Dict[str, Any]], groups: Dict[str, List[str]]) -> 
     rows = dict(zip(names, zip(*columns)))
     alike = {case for case, signs in rows.items() if set(signs) <= {"✓", "–", ""}}
     lines = [f"These {len(alike)} cases are passed by all that offer them:", ""]
-    lines += [f"- {group}: {', '.join(case for case in cases if case in alike)}"
+    lines += [wrapped(f"- {group}: {', '.join(case for case in cases if case in alike)}")
               for group, cases in groups.items() if alike & set(cases)]
     lines += ["", f"The other {len(names) - len(alike)}:", "",
               f"|case|{'|'.join(', '.join(map(str, numbers)) for numbers in columns.values())}|",
@@ -149,9 +150,13 @@ def failures(results: List[Dict[str, Any]], reasons: List[Dict[str, str]]) -> Li
         example = found[0][1]
         by = (f"{example['error']:.1e} of {example['tolerance']:.0e}" if example.get("error") is not None
               else re.sub(r"^the runner: EngineStopped: ", "", example.get("why", "not finite"))[:50])
-        lines.append(f"- {', '.join(f'**{number}** ({count})' for number, count in counts.items())}: {why}. "
-                     f"`{example['case']}`, {example['what']}: {by}")
+        lines.append(wrapped(f"- {', '.join(f'**{number}** ({count})' for number, count in counts.items())}: {why}. "
+                             f"`{example['case']}`, {example['what']}: {by}"))
     return lines
+
+
+def wrapped(item: str) -> str:
+    return textwrap.fill(item, 120, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False)
 
 
 HEAD = """# Who holds rigid bonds right: the matrix

@@ -9,7 +9,6 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
-using tests::energies;
 using tests::kMixture;
 using Folder = tests::LammpsFolder;
 using tests::total;
@@ -29,7 +28,7 @@ void expect_back(const std::string& kept) {
   EXPECT_LT((back.start.v - plain.start.v).norm(), 1e-14);
   EXPECT_EQ(back.system.bond_count(), 40);
   EXPECT_EQ((back.system.mass - plain.system.mass).norm(), 0);
-  const Energies here = energies(plain), there = energies(back);
+  const Energies here = energies_of(plain), there = energies_of(back);
   ASSERT_EQ(here.size(), there.size());
   for (std::size_t k = 0; k < here.size(); ++k) {
     EXPECT_EQ(here[k].first, there[k].first);
@@ -45,7 +44,7 @@ TEST(LammpsExport, GoesOutAndBack) {
   if (std::system("lmp -h > /dev/null 2>&1") != 0) return;
   // exceptions have no cutoff in taut, and none of these pairs is beyond LAMMPS's
   const double of_lammps = folder.of_lammps().energy;
-  EXPECT_NEAR(of_lammps, total(energies(scene)), 1e-9 * std::abs(of_lammps));
+  EXPECT_NEAR(of_lammps, total(energies_of(scene)), 1e-9 * std::abs(of_lammps));
 }
 
 // LAMMPS puts splines of its own through the rows of tables, of bonds, angles and pairs, beside rigid bonds and
@@ -63,7 +62,7 @@ TEST(LammpsExport, TablesGoOut) {
   if (std::system("lmp -h > /dev/null 2>&1") != 0) return;
   const Folder folder;
   write_lammps(scene, folder.folder.path() / "a");
-  const double here = total(energies(scene));
+  const double here = total(energies_of(scene));
   const auto [energy, forces] = folder.of_lammps();
   EXPECT_NEAR(energy, here, 1e-7 * std::abs(here));
   State s = scene.start;
@@ -76,7 +75,7 @@ void expect_lammps_agrees(const Scene& scene) {
   if (std::system("lmp -h > /dev/null 2>&1") != 0) return;
   const Folder folder;
   write_lammps(scene, folder.folder.path() / "a");
-  const double here = total(energies(scene));
+  const double here = total(energies_of(scene));
   const auto [energy, forces] = folder.of_lammps();
   EXPECT_NEAR(energy, here, 1e-8 * std::abs(here)) << scene.name;
   State s = scene.start;
@@ -126,10 +125,11 @@ TEST(LammpsExport, AMeltWithFeneGoesOutAndBack) {
   const Folder folder;
   write_lammps(melt, folder.folder.path() / "a");
   if (std::system("lmp -h > /dev/null 2>&1") == 0) {
-    EXPECT_NEAR(folder.of_lammps().energy, total(energies(melt)), 1e-9 * std::abs(total(energies(melt))));
+    EXPECT_NEAR(folder.of_lammps().energy, total(energies_of(melt)),
+                1e-9 * std::abs(total(energies_of(melt))));
   }
   const Scene back = folder.read_back("special_lj = [0, 1, 1]", "pair = \"wca\"");
-  EXPECT_NEAR(total(energies(back)), total(energies(melt)), 1e-10 * std::abs(total(energies(melt))));
+  EXPECT_NEAR(total(energies_of(back)), total(energies_of(melt)), 1e-10 * std::abs(total(energies_of(melt))));
 }
 
 // Water of four sites is pair_style tip4p's, without atoms M. On a fine mesh energies agree.
@@ -144,7 +144,7 @@ TEST(LammpsExport, WaterOfFourSitesGoesOut) {
   if (std::system("lmp -h > /dev/null 2>&1") != 0) return;
   const Folder folder;
   write_lammps(water, folder.folder.path() / "a");
-  const double here = total(energies(water));
+  const double here = total(energies_of(water));
   EXPECT_NEAR(
       folder.of_lammps("pair_modify table 0\nkspace_modify gewald 4.2 mesh 60 60 60 order 7\n").energy, here,
       5e-6 * std::abs(here));

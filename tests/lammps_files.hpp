@@ -8,21 +8,12 @@
 #include <fstream>
 #include <sstream>
 
-#include "forcefield/force_field.hpp"
 #include "named_scene.hpp"
+#include "scene_energy.hpp"
 #include "scene_text.hpp"
 #include "systems/lammps/write_data.hpp"
 
 namespace taut::tests {
-
-inline Energies energies(const Scene& scene) {
-  State s = scene.start;
-  s.f = Vectors::Zero(3, s.x.cols());
-  ForceField forces(scene.system, s.box, scene.terms);
-  ForceField::Evaluation besides;
-  forces.evaluate(scene.system, s, besides);
-  return forces.energies(s, besides);
-}
 
 inline double total(const Energies& all) {
   double sum = 0;
