@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the README's first picture again, with all tables and pictures in FOLDER: benchmarks/charts.sh [FOLDER] [--quick]
+# Makes the picture of benchmarks/README.md, with all tables and pictures in FOLDER: benchmarks/charts.sh [FOLDER] [--quick]
 # One thread: figures are per core. TAUT names the command, if it is not build/taut.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -12,4 +12,4 @@ export OMP_NUM_THREADS=1
 "${TAUT:-build/taut}" chart freely_jointed "${first[@]}" --out "$out/chart" --overwrite "$@"
 "${TAUT:-build/taut}" chart water "${long[@]}" --out "$out/water" --overwrite "$@"
 "${TAUT:-build/taut}" stability freely_jointed --hard --out "$out/stability" --overwrite "$@"
-if ((${#long[@]})); then cp "$out/chart/work.png" benchmarks/results/charts/chart/; fi  # which the README shows
+if ((${#long[@]})); then cp "$out/chart/work.png" benchmarks/results/charts/chart/; fi  # which README.md shows

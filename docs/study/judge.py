@@ -21,17 +21,17 @@ import statistics
 import sys
 from collections import Counter, defaultdict
 
-from cases import HERE, METHODS, MIXED, SYSTEMS, key_of, read_rows
+from cases import HERE, METHODS, SYSTEMS, key_of, read_rows
 
 BOLTZMANN = 0.00831446261815324  # [kJ/mol/K]
 PAGE = HERE / "README.md"
 LARGEST_BOND_ERROR, LARGEST_DRIFT_KT, LARGEST_SHARE = 1e-3, 0.1, 0.01
 ERRORS = 3  # by which a mean may miss a limit
 KINDS = ("translation_k", "rotation_k", "rest_k")
-AVERAGES = {"potential": "potential_kj_mol", "pressure": "pressure_bar", "g(r)'s peak": "g_peak", "⟨R²⟩": "end_to_end_nm2",
-            "translation": "translation_k", "rotation": "rotation_k", "rest": "rest_k"}
+JUDGED = ("drift", "temperature_k", "potential_kj_mol", *KINDS)
 GROUPS = (("chains", "melt", "decane", "tip3p", "tip4p2005"), ("dipeptide", "dipeptide-all", "dna", "dna-water"),
           ("villin", "villin-all", "villin-angles", "villin-3u", "villin-angles-3u"))
+OF_EACH_KIND = ("chains", "decane", "tip3p", "dna", "villin")
 
 
 def mean_and_error(values):
@@ -42,11 +42,11 @@ def mean_and_error(values):
     return mean, math.sqrt(sum((v - mean) ** 2 for v in values) / (len(values) - 1) / len(values))
 
 
-def cells(rows, precision=None):
-    """{system: {method: {step: [row, ...]}}}, of that precision or of the system's own"""
+def cells(rows):
+    """{system: {method: {step: [row, ...]}}}, of the system's own precision"""
     table = defaultdict(lambda: defaultdict(lambda: defaultdict(list)))
     for row in rows:
-        if row["precision"] == (precision or SYSTEMS[row["system"]].precision):
+        if row["precision"] == SYSTEMS[row["system"]].precision:
             table[row["system"]][row["method"]][float(row["dt_fs"])].append(row)
     return table
 
@@ -71,7 +71,7 @@ class Judge:
         self.systems = [name for name in SYSTEMS if name in self.table]
         self.usual = {}  # (system, column): the median over cells of the standard deviation over seeds
         for system, methods in self.table.items():
-            for column in ("drift", "temperature_k", *AVERAGES.values()):
+            for column in JUDGED:
                 columns = [of(rows, column) for steps in methods.values() for rows in steps.values()]
                 deviations = [statistics.stdev(values) for values in columns if len(values) > 1]
                 if deviations:
@@ -93,10 +93,6 @@ class Judge:
         if others is not None:
             target, error = statistics.mean(others), math.hypot(error, self.error(system, column, others))
         return abs(statistics.mean(values) - target) > limit + ERRORS * error
-
-    def reference(self, system):
-        steps = self.table[system].get("newton")
-        return steps[min(steps)] if steps else []
 
     def flaws(self, system, method, step):
         """What is wrong with the runs of one cell, in a word; empty if it is sound."""
@@ -122,12 +118,6 @@ class Judge:
                 return "potential"
         return ""
 
-    def keeps(self, system, column, rows):
-        """Whether an average is that of the reference within 1 % or its errors."""
-        values = of(self.reference(system), column)
-        limit = LARGEST_SHARE * abs(statistics.mean(values)) if values else 0
-        return not self.misses(system, column, rows, self.reference(system), limit)
-
     def largest(self, system, method, wrong):
         """The largest step up to which nothing is wrong, 0 if there is none, and what is at the next one."""
         sound = 0.0
@@ -147,10 +137,10 @@ def rows_of(title, heads, lines):
             *(f"| {name} | " + " | ".join(line) + " |" for name, line in lines), ""]
 
 
-def grouped(title, judge, cell, head=lambda name: name):
+def grouped(title, judge, cell, groups, head=lambda name: name):
     """A table for each group of systems, a row a method; cell(system, method) gives a text, head(system) a title."""
     lines = []
-    for group in GROUPS:
+    for group in groups:
         systems = [name for name in group if name in judge.systems]
         if systems:
             made = [(method, [cell(name, method) for name in systems]) for method in METHODS]
@@ -185,14 +175,11 @@ def steps_table(judge):
         timed = [step for step, *_ in times.get((system, method), [])]
         cost = timed and timed[0] <= sound <= timed[-1] and cost_at(times, system, method, sound)
         return (f"**{sound:g}**" if sound else "–") + (f" {wrong}" if wrong else "") + (f"; {cost:.3g} s" if cost else "")
-    lines = grouped("largest sound step [fs], what fails next; processor time of a nanosecond there", judge, cell)
-    seeds = lambda name: statistics.mode(len(rows) for steps in judge.table[name].values() for rows in steps.values())
-    return lines + ["", "| system | " + " | ".join(judge.systems) + " |", "|---" * (len(judge.systems) + 1) + "|",
-                    "| seeds of most cells | " + " | ".join(str(seeds(name)) for name in judge.systems) + " |"]
+    return grouped("largest sound step [fs], what fails next; processor time of a nanosecond there", judge, cell, GROUPS)
 
 
 def usual_table(judge):
-    """Bond error and drift at the usual step."""
+    """Bond error and drift at the usual step, of a system of each kind."""
     def cell(system, method):
         runs = judge.table[system].get(method, {}).get(float(SYSTEMS[system].dt_fs), [])
         if not whole(runs):
@@ -200,38 +187,8 @@ def usual_table(judge):
         drift, error = mean_and_error([v / kt(system) for v in of(runs, "drift")])
         spread = f" ± {error:.1g}" if error else ""
         return f"{mean_and_error(of(runs, 'rms_bond'))[0]:.0e}; {drift:.2g}{spread}"
-    return grouped("rms bond error; drift [kT/ns/dof]", judge, cell,
+    return grouped("rms bond error; drift [kT/ns/dof]", judge, cell, [OF_EACH_KIND],
                    lambda name: f"{name}, {SYSTEMS[name].dt_fs:g} fs")
-
-
-def averages_table(judge):
-    """The largest step that keeps each average, under three methods."""
-    lines = []
-    for system in (name for name in judge.systems if SYSTEMS[name].at_rest):
-        line = []
-        for column in AVERAGES.values():
-            if not of(judge.reference(system), column) or (system, column) not in judge.usual:
-                line.append("")
-                continue
-            stray = lambda s, m, h: not (whole(judge.table[s][m][h]) and judge.keeps(s, column, judge.table[s][m][h]))
-            steps = [f"{judge.largest(system, method, stray)[0]:g}" for method in MIXED[::-1]]
-            line.append(", ".join(steps) if len(set(steps)) > 1 else steps[0])
-        lines.append((system, line))
-    return rows_of("largest step [fs] of " + ", ".join(f"`{method}`" for method in MIXED[::-1]), AVERAGES, lines)[:-1]
-
-
-def mixed_table(rows):
-    """Drifts at the usual step of systems that were run in double and in mixed precision."""
-    table = cells(rows, "mixed")
-    systems = [name for name in SYSTEMS if SYSTEMS[name].precision == "double" and name in table]
-
-    def cell(system, method):
-        runs = table[system][method].get(float(SYSTEMS[system].dt_fs), [])
-        if not whole(runs):
-            return ""
-        drift, error = mean_and_error([v / kt(system) for v in of(runs, "drift")])
-        return f"{drift:.2g}" + (f" ± {error:.1g}" if error else "")
-    return rows_of("drift [kT/ns/dof]", systems, [(f"`{m}`", [cell(name, m) for name in systems]) for m in MIXED])[:-1]
 
 
 def means_table(rows, quantities):
@@ -270,12 +227,6 @@ def transport_table():
         "of rotation [K]": ("rotation_k", 1)})
 
 
-def torsions_table():
-    """The share of decane's torsions that are trans, and of the dipeptide's time that it is stretched."""
-    rows = [row | {row["system"]: row["share"]} for row in read_rows("torsions.csv")]
-    return means_table(rows, {"decane, trans [%]": ("decane", 100), "dipeptide, C5 [%]": ("dipeptide-vacuum", 100)})
-
-
 def outsiders_table():
     """Drifts at constant energy of other programs beside taut's own."""
     runs, steps = defaultdict(list), {}
@@ -299,8 +250,7 @@ def outsiders_table():
 
 def tables(rows):
     judge = Judge(rows)
-    return {"steps": steps_table(judge), "usual": usual_table(judge), "averages": averages_table(judge),
-            "mixed": mixed_table(rows), "transport": transport_table(), "torsions": torsions_table(),
+    return {"steps": steps_table(judge), "usual": usual_table(judge), "transport": transport_table(),
             "outsiders": outsiders_table()}
 
 
