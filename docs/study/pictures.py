@@ -8,6 +8,7 @@ from taut.pictures.style import groups_of, limit, looks_of
 from cases import HERE, SYSTEMS
 from judge import LARGEST_DRIFT_KT, cost_at, kt, mean_and_error, of, whole
 
+FRONT = ("newton", "feedforward", "settle and lincs", "lincs strict", "lincs", "shake 1e-4")  # the README's picture
 DRAWN = ("penalty", "baumgarte", "baumgarte centred", "baumgarte implicit", "feedforward", "shake 1e-4", "newton", "lincs",
          "lincs strict", "settle", "settle and lincs")
 
@@ -26,6 +27,27 @@ def draw(judge, times):
     with styled():
         for system in judge.systems:
             draw_system(judge, times, system)
+        draw_front(judge, times, "villin")
+
+
+def draw_front(judge, times, system):
+    """One panel: drift against nanoseconds a day, each point named by its step once."""
+    page = Page(1, 120, height_mm=75)
+    axis, = page.axes
+    points = {method: np.array([(s, 86400 / c, d) for s, c, d in points_of(judge, times, system, method) if c and s >= 2])
+              for method in FRONT}
+    limit(axis, "x", np.concatenate([rows[:, 1] for rows in points.values()]))
+    limit(axis, "y", np.concatenate([rows[:, 2] for rows in points.values()]), log=True)
+    axis.axhline(LARGEST_DRIFT_KT, color="#000000", lw=0.6, ls=(0, (4, 2)))
+    for method, look in looks_of(FRONT, {method: method.split()[0] for method in FRONT}).items():
+        step, x, y = points[method].T
+        axis.plot(x, y, **look)
+        page.name_points(axis, [(x, y, method, look["color"])])
+        if method in ("lincs", "newton"):
+            page.name_points(axis, [(x[k], y[k], f"{step[k]:g} fs", look["color"]) for k in range(len(x))])
+    axis.set_xlabel("nanoseconds a day, one thread")
+    axis.set_ylabel("energy drift [kT/ns/degree of freedom]")
+    save(page.finish(), HERE / "pictures" / "front", "svg")
 
 
 def draw_system(judge, times, system):
