@@ -176,7 +176,7 @@ def steps_table(judge):
         timed = [step for step, *_ in times.get((system, method), [])]
         cost = timed and timed[0] <= sound <= timed[-1] and cost_at(times, system, method, sound)
         return (f"**{sound:g}**" if sound else "–") + (f" {wrong}" if wrong else "") + (f"; {cost:.3g} s" if cost else "")
-    return grouped("largest sound step [fs], what fails next; processor time of a nanosecond there", judge, cell, GROUPS)
+    return grouped("[fs]; [s/ns]", judge, cell, GROUPS)
 
 
 def usual_table(judge):
