@@ -88,7 +88,8 @@ void FixTaut::hold_bonds() {
   } catch (const taut::InputError& refusal) {
     wrong = refusal.what();
   }
-  if (all_max(!wrong.empty()) > 0) wrong.empty() ? refuse("a bond is held by another fix") : stop(wrong);
+  if (all_max(!wrong.empty()) > 0)
+    wrong.empty() ? refuse("a bond cannot be held, as another processor says") : stop(wrong);
   std::size_t most = 0;
   double ends = 0, angle_ends = 0;
   for (int i = 0; i < atom->nlocal; ++i) {

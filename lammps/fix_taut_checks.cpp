@@ -138,7 +138,8 @@ void FixTaut::refuse_changed_bonds() const {
       };
       const auto held = std::ranges::find_if(held_.of(i), is_this);
       if (held != held_.of(i).end()) {
-        if (type == -held->kind.bond) continue;
+        const bool spring = type != held->kind.bond && keys_.held.bonds.count(std::abs(type)) == 0;
+        if (type == -held->kind.bond || spring) continue;
       } else if (keys_.held.bonds.count(std::abs(type)) == 0) {
         continue;
       } else if (type > 0) {
@@ -166,7 +167,8 @@ void FixTaut::refuse_lost_bonds() const {
       held += whole ? 0.5 : 1;
       if (!whole) continue;
       for (int m = 0; m < atom->num_bond[i]; ++m)
-        if (atom->bond_atom[i][m] == bond.partner) listed += force->newton_bond ? 1 : 0.5;
+        if (atom->bond_atom[i][m] == bond.partner && std::abs(atom->bond_type[i][m]) == bond.kind.bond)
+          listed += force->newton_bond ? 1 : 0.5;
     }
   const double lost = all_sum(held) - all_sum(listed);
   if (std::abs(lost) > 0.25)

@@ -16,12 +16,17 @@ namespace {
 
 using namespace LAMMPS_NS;
 
-// From an atom to its bonded partner.
+// Of the bonds that are listed with one atom to one partner: how many, and the first one's type.
+struct Listed {
+  int count = 0, type = 0;
+};
+
+// From an atom to its bonded partner: what is listed with `from`. A held bond may have springs beside it.
 struct Listing {
   tagint to, from;
-  int bond_type;  // as listed with `from`; 0: not listed there
-  int chosen;     // by type or mass of `from`
-  int fixed;      // `from` cannot be moved
+  Listed all, of_types;  // all bonds; those of the types that are to be held
+  int chosen;            // by type or mass of `from`
+  int fixed;             // `from` cannot be moved
 };
 
 // From the atom in the middle of an angle to an end.
@@ -31,10 +36,15 @@ struct AngleEnd {
   int freedom;
 };
 
-int listed_type(const Atom& atom, int i, tagint partner) {
-  for (int m = 0; m < atom.num_bond[i]; ++m)
-    if (atom.bond_atom[i][m] == partner) return atom.bond_type[i][m];
-  return 0;
+// Of these types, or of all.
+Listed listed_bonds(const Atom& atom, int i, tagint partner, const std::set<int>* types) {
+  Listed found;
+  for (int m = 0; m < atom.num_bond[i]; ++m) {
+    const int type = atom.bond_type[i][m];
+    if (atom.bond_atom[i][m] != partner || (types && types->count(std::abs(type)) == 0)) continue;
+    if (found.count++ == 0) found.type = type;
+  }
+  return found;
 }
 
 bool chosen(const Atom& atom, int i, const Selection& selection) {
@@ -72,7 +82,8 @@ std::vector<Listing> listings_for_partners(const Atom& atom, const Selection& se
     if (!(atom.mask[i] & groupbit)) continue;
     for (int s = 0; s < atom.nspecial[i][0]; ++s) {
       const tagint partner = atom.special[i][s];
-      listings.push_back({partner, atom.tag[i], listed_type(atom, i, partner), chosen(atom, i, selection),
+      listings.push_back({partner, atom.tag[i], listed_bonds(atom, i, partner, nullptr),
+                          listed_bonds(atom, i, partner, &selection.bonds), chosen(atom, i, selection),
                           (atom.mask[i] & fixed_bits) != 0});
     }
   }
@@ -123,9 +134,16 @@ Held find_held_bonds(LAMMPS* lmp, const Selection& selection, int groupbit, int 
        send_to_atoms(lmp, listings_for_partners(atom, selection, groupbit, fixed_bits))) {
     const int i = own.at(listing.to);
     if (!(atom.mask[i] & groupbit)) continue;
-    const int listed = listed_type(atom, i, listing.from), type = listed != 0 ? listed : listing.bond_type;
-    const bool held_type = selection.bonds.count(std::abs(type)) > 0;
-    if (!held_type && !listing.chosen && !chosen(atom, i, selection)) continue;
+    const bool by_atom = listing.chosen || chosen(atom, i, selection);
+    const Listed here = listed_bonds(atom, i, listing.from, by_atom ? nullptr : &selection.bonds),
+                 there = by_atom ? listing.all : listing.of_types;
+    const int count = lmp->force->newton_bond ? here.count + there.count : std::max(here.count, there.count);
+    if (count > 1)
+      throw InputError(
+          fmt::format("atoms {} and {} have {} bonds of the types and masses given; one can be held, beside "
+                      "others that are springs: name its type alone",
+                      listing.to, listing.from, count));
+    const int type = here.count > 0 ? here.type : there.type;
     if (type < 0)
       throw InputError(
           fmt::format("the bond of atoms {} and {} is held by another fix", listing.to, listing.from));
@@ -143,8 +161,9 @@ void set_type_signs(Atom& atom, const HeldBonds& held, const std::set<int>& angl
     if (held.count(i) == 0) continue;
     for (int m = 0; m < atom.num_bond[i]; ++m)
       for (const HeldBond& bond : held.of(i))
-        if (bond.partner == atom.bond_atom[i][m] && bond.kind.is_bond())
-          atom.bond_type[i][m] = sign * std::abs(atom.bond_type[i][m]);
+        if (bond.partner == atom.bond_atom[i][m] && bond.kind.bond == std::abs(atom.bond_type[i][m]) &&
+            bond.kind.is_bond())
+          atom.bond_type[i][m] = sign * bond.kind.bond;
     if (!atom.num_angle) continue;
     for (int m = 0; m < atom.num_angle[i]; ++m)
       if (const int type = std::abs(atom.angle_type[i][m]);

@@ -25,6 +25,7 @@ namespace taut::openmm_tests {
 namespace {
 
 using testing::AllOf;
+using testing::Contains;
 using testing::HasSubstr;
 using testing::Not;
 using tests::data;
@@ -226,6 +227,9 @@ TEST(OpenMMImport, TakesMomentumRemovalAndAnchors) {
   EXPECT_GT(input.start.v.col(5).norm(), 0);
   EXPECT_EQ(input.system.bond_count(), melt.system.getNumConstraints() - 1)
       << "nothing to hold between anchors";
+  EXPECT_THAT(
+      input.notes,
+      Contains("constraints: 1 between two atoms of mass 0, the first 0-1, left out: neither atom moves"));
   EXPECT_FALSE(input.start.box.periodic()) << "nothing in it is periodic";
 }
 

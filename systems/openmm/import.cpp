@@ -71,12 +71,19 @@ System read_atoms(const Element& particles) {
   }
 }
 
-System with_bonds(const Element& constraints, const System& atoms, std::vector<RigidBond> bonds) {
+void add_bonds(const Element& constraints, const System& atoms, std::vector<RigidBond> bonds,
+               OpenMMInput& to) {
   // A constraint between two anchors has no effect; OpenMM ignores it, too.
-  std::erase_if(
-      bonds, [&](const RigidBond& b) { return b.i != b.j && atoms.is_anchor(b.i) && atoms.is_anchor(b.j); });
+  const auto idle = std::stable_partition(bonds.begin(), bonds.end(), [&](const RigidBond& b) {
+    return b.i == b.j || !atoms.is_anchor(b.i) || !atoms.is_anchor(b.j);
+  });
+  if (idle != bonds.end())
+    to.notes.push_back(fmt::format(
+        "constraints: {} between two atoms of mass 0, the first {}-{}, left out: neither atom moves",
+        bonds.end() - idle, idle->i, idle->j));
+  bonds.erase(idle, bonds.end());
   try {
-    return make_system(atoms.mass, std::move(bonds), atoms.sites);
+    to.system = make_system(atoms.mass, std::move(bonds), atoms.sites);
   } catch (const InputError& e) {
     constraints.refuse(fmt::format("among its constraints, {}", e.what()));
   }
@@ -259,7 +266,7 @@ OpenMMInput read_openmm(const XmlFile& system_file, const XmlFile& state_file) {
   std::vector<RigidBond> constraints;
   read_list(system, constraints, atoms.atoms());
   system_file.hear();
-  input.system = with_bonds(system.part("Constraints"), atoms, constraints);
+  add_bonds(system.part("Constraints"), atoms, constraints, input);
   read_start(state, input);
 
   PlacedForces forces;

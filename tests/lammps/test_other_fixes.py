@@ -65,6 +65,36 @@ def test_the_first_pressure_is_the_barostats_where_it_stands_after(run):
     methane(run, npt + "\nrun 20\n", integrate="")
 
 
+# --- springs on pairs that are held ---
+
+def sprung(folder, run, rest="", types="1", **given):
+    """Methane with springs beside its bonds, half of them listed the other way round."""
+    data = systems.methane()
+    data.bonds += [(2, i, j) if j % 2 else (2, j, i) for _, i, j in data.bonds]
+    (folder / "methane.data").write_text(data.text([12.0, 1.0]))
+    text = inputs.of(inputs.METHANE, dt=0.002, rest=rest, **given).replace("bond_coeff 1", "bond_coeff 2 100 1.2\nbond_coeff 1")
+    return run(text.replace("b 1\n", f"b {types}\n"), given.get("ranks", 1))
+
+
+@pytest.mark.parametrize("given", [{}, {"newton": "off"}, {"ranks": 2}])
+def test_springs_beside_held_bonds_add_their_energy_alone(folder, run, given):
+    alone = lammps.table(methane(run, THERMO + "run 50\n"))
+    both = lammps.table(sprung(folder, run, THERMO + "run 50\n", **given))
+    assert np.allclose(both["PotEng"] - alone["PotEng"], 4 * 100 * 0.2**2 / 5, rtol=1e-6)  # of an atom
+    assert np.allclose(both["Temp"], alone["Temp"], rtol=1e-6)
+
+
+@pytest.mark.parametrize("given", [{}, {"newton": "off"}, {"ranks": 2}])
+def test_two_bonds_of_a_pair_are_not_both_held(folder, run, given):
+    with pytest.raises(lammps.Failed, match="atoms \\d+ and \\d+ have 2 bonds of the types .* name its type alone"):
+        sprung(folder, run, types="*", **given)
+
+
+def test_a_held_bond_made_a_spring_is_told_of(folder, run):
+    with pytest.raises(lammps.Failed, match="held bonds are not in the list"):
+        sprung(folder, run, "run 5\nset group all bond 2\nrun 5\n")
+
+
 # --- bonds that change under it ---
 
 CHANGES = {
