@@ -1,6 +1,6 @@
-"""How verdicts are kept in results/RUNNER.VARIANT.json: those passed and not offered in short, the others whole.
+"""How verdicts are kept in results/RUNNER.VARIANT.json: those passed and without a value in short, the others whole.
 
-`passed` has for each case its asks with [error, tolerance], `not offered` for each reason the cases and asks, `verdicts`
+`passed` has for each case its asks with [error, tolerance], `not offered` and `not done` for each reason the cases and asks, `verdicts`
 what failed or was refused, with a reason where it differs from that of the verdict before."""
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from typing import Any, Dict, List
 
 HERE = Path(__file__).resolve().parent
 LONGEST_REASON = 120  # characters
+WITHOUT_VALUE = ("not offered", "not done")
 Verdict = Dict[str, Any]
 
 
@@ -38,8 +39,9 @@ def read_results(path: Path) -> Dict[str, Any]:
     verdicts: List[Verdict] = [
         {"case": case, "what": what, "verdict": "passed", "error": error, "tolerance": tolerance}
         for case, asks in kept["passed"].items() for what, (error, tolerance) in asks.items()]
-    verdicts += [{"case": case, "what": what, "verdict": "not offered", "why": why}
-                 for why, cases in kept["not offered"].items() for case, asks in cases.items() for what in asks]
+    verdicts += [{"case": case, "what": what, "verdict": word, "why": why}
+                 for word in WITHOUT_VALUE for why, cases in kept.get(word, {}).items()
+                 for case, asks in cases.items() for what in asks]
     before: Verdict = {}
     for one in kept["verdicts"]:
         if "error" not in one and "why" not in one and one["case"] == before.get("case"):
@@ -51,7 +53,7 @@ def read_results(path: Path) -> Dict[str, Any]:
 
 def write_results(path: Path, about: Dict[str, Any], verdicts: List[Verdict]) -> None:
     passed: Dict[str, Dict[str, Any]] = {}
-    missing: Dict[str, Dict[str, List[str]]] = {}
+    missing: Dict[str, Dict[str, Dict[str, List[str]]]] = {word: {} for word in WITHOUT_VALUE}
     others, before = [], {}
     for one in verdicts:
         one = {key: rounded(value) for key, value in one.items()}
@@ -59,8 +61,8 @@ def write_results(path: Path, about: Dict[str, Any], verdicts: List[Verdict]) ->
             passed.setdefault(one["case"], {})[one["what"]] = [one.get("error"), one["tolerance"]]
             continue
         why = without_paths(one.get("why", ""))[:LONGEST_REASON]
-        if one["verdict"] == "not offered":
-            missing.setdefault(why, {}).setdefault(one["case"], []).append(one["what"])
+        if one["verdict"] in WITHOUT_VALUE:
+            missing[one["verdict"]].setdefault(why, {}).setdefault(one["case"], []).append(one["what"])
             continue
         made = {key: one[key] for key in ("case", "what", "verdict", "error", "standard_error", "tolerance") if key in one}
         if why and (one["case"], why) != (before.get("case"), before.get("why")):
@@ -69,7 +71,8 @@ def write_results(path: Path, about: Dict[str, Any], verdicts: List[Verdict]) ->
         others.append(made)
     lines = [f'{{"about": {shown(about)},', '"passed": {' + ",\n".join(
         f"{shown(case)}:{shown(asks)}" for case, asks in passed.items()) + "},"]
-    lines += ['"not offered": {' + ",\n".join(f"{shown(why)}:{shown(cases)}" for why, cases in missing.items()) + "},"]
+    lines += [f'"{word}": {{' + ",\n".join(f"{shown(why)}:{shown(asks)}" for why, asks in missing[word].items()) + "},"
+              for word in WITHOUT_VALUE]
     lines += ['"verdicts": [' + ",\n".join(map(shown, others)) + "]}"]
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 

@@ -109,34 +109,6 @@ TYPED_TEST(LangevinWith, FreeWatersHaveTheCanonicalKineticEnergies) {
   EXPECT_NEAR((total - translation) / count, 1.5, 4 * error);
 }
 
-// A pendulum's angle has P(cos θ) ∝ exp(b cos θ), b = mgl/kT, so that ⟨cos θ⟩ = coth b − 1/b.
-TYPED_TEST(LangevinWith, PendulumsHangAsLangevinsFunctionSays) {
-  constexpr int kPendulums = 64;
-  const double h = 0.02, b = 1.5;
-  Eigen::VectorXd mass(2 * kPendulums);
-  std::vector<RigidBond> bonds;
-  State s;
-  s.x = s.v = Vectors::Zero(3, 2 * kPendulums);
-  for (int p = 0; p < kPendulums; ++p) {
-    mass.segment<2>(2 * p) << 0, 1;
-    bonds.push_back({2 * p, 2 * p + 1, 1.0});
-    s.x(0, 2 * p + 1) = 1;
-  }
-  const System sys = make_system(mass, bonds);
-  tests::UniformForce gravity{{0, 0, -b}};
-  auto method = with_defaults<TypeParam>(sys, h);
-  Langevin bath(sys, {.temperature = kWarm, .friction = 2, .seed = 7}, h);
-  initialize(bath, {sys, gravity, method}, h, s);
-  double sum = 0;
-  int samples = 0;
-  for (int n = 1; n <= 12000; ++n) {
-    ASSERT_TRUE(bath.advance({sys, gravity, method}, h, s).converged());
-    if (n <= 500 || n % 20 != 0) continue;
-    for (int p = 0; p < kPendulums; ++p) sum -= s.x(2, 2 * p + 1), ++samples;
-  }
-  EXPECT_NEAR(sum / samples, 1 / std::tanh(b) - 1 / b, 0.015);
-}
-
 // The velocity temperatures are taken of has no part along the bonds, and is P(v + (h/2)M⁻¹f).
 TYPED_TEST(LangevinWith, MiddleVelocityIsTangent) {
   const double h = 0.02;

@@ -1,10 +1,9 @@
 // Linkages of rigid bars, through their dead points: placements in which all bars lie in a line, so that one bond
-// follows from the others to first order.
+// follows from the others to first order. conformance has their motions.
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "constraints/methods/baumgarte.hpp"
@@ -44,21 +43,6 @@ double angle(const State& s, int crank) {
   return std::atan2(along.y(), along.x());
 }
 
-// θ'' = −g cos θ, by Runge and Kutta's method.
-struct Crank {
-  double theta = std::numbers::pi / 2, omega = -1;
-
-  void advance(double h) {
-    const auto slope = [](double at, double rate) { return std::pair(rate, -kG * std::cos(at)); };
-    const auto [a, p] = slope(theta, omega);
-    const auto [b, q] = slope(theta + h / 2 * a, omega + h / 2 * p);
-    const auto [c, r] = slope(theta + h / 2 * b, omega + h / 2 * q);
-    const auto [d, s] = slope(theta + h * c, omega + h * r);
-    theta += h / 6 * (a + 2 * b + 2 * c + d);
-    omega += h / 6 * (p + 2 * q + 2 * r + s);
-  }
-};
-
 struct Named {
   const char* name;
   MethodOptions options;
@@ -74,23 +58,6 @@ INSTANTIATE_TEST_SUITE_P(By, Linkage,
                                            Named{"unextrapolated", Feedforward::Options{.extrapolation = 0}},
                                            Named{"rattle", default_options("rattle")}),
                          [](const auto& test) { return test.param.name; });
-
-TEST_P(Linkage, FallsThroughItsDeadPointAsOneCrank) {
-  Start start = parallelogram({0, 1, 0}, {1, 0, 0});
-  State& s = start.state;
-  UniformForce gravity(Vec3(0, -kG, 0));
-  const double h = 1e-3;
-  const auto method = make_method(start.system, GetParam().options, h);
-  const Dynamics dynamics{start.system, gravity, *method};
-  initialize(dynamics, h, s);
-  Crank crank;
-  for (int n = 0; n < 2000; ++n) {
-    ASSERT_TRUE(step(dynamics, h, s).converged()) << n;
-    for (int part = 0; part < 10; ++part) crank.advance(h / 10);
-    for (const int of : {0, 1})
-      ASSERT_NEAR(std::remainder(angle(s, of) - crank.theta, 2 * std::numbers::pi), 0, 1e-4) << n;
-  }
-}
 
 // Whatever place before and beyond the line a step leads from and to.
 TEST_P(Linkage, PassesItsDeadPointFromWhereverItComes) {
@@ -207,13 +174,6 @@ Start plate_on_three_cranks() {
     bonds.push_back({i, j, (s.x.col(j) - s.x.col(i)).norm()});
   start.system = make_system(mass, bonds);
   return start;
-}
-
-TEST(LinkageRedundancy, OfThreeParallelCranksIsThereWhereverTheyMove) {
-  const Start start = plate_on_three_cranks();
-  const Redundancy found = find_redundancy(start.system, start.state.x);
-  EXPECT_EQ(found.redundant.size(), 1u);
-  EXPECT_TRUE(found.degenerate.empty());
 }
 
 // Of another length the third would lock them: they do not move, and are braced in this placement alone.

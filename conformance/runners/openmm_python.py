@@ -15,9 +15,9 @@ from typing import Any, Dict, List
 import numpy as np
 import openmm as mm
 from openmm.app import StateDataReporter
-from openmm_system import make_system, read, step_back
+from openmm_system import fill_sites, make_system, read, step_back
 
-from shared import EngineStopped, fill_sites, not_offered, row_steps, start_velocities, wants_refusal
+from shared import EngineStopped, not_offered, row_steps, start_velocities, wants_refusal
 
 VARIANTS: Dict[str, Dict[str, Any]] = {
     "reference": {"platform": "Reference"},
@@ -25,8 +25,6 @@ VARIANTS: Dict[str, Dict[str, Any]] = {
     "reference_velocity_verlet": {"platform": "Reference", "scheme": "velocity_verlet"},
     "cpu": {"platform": "CPU", "properties": {"Threads": "1"}},
     "opencl_double": {"platform": "OpenCL", "properties": {"Precision": "double"}},
-    "opencl_mixed_default_tolerance": {
-        "platform": "OpenCL", "properties": {"Precision": "mixed"}, "tolerance": 1e-5},
     "taut_newton": {"platform": "Reference", "scheme": "newton"},
     "taut_feedforward": {"platform": "Reference", "scheme": "feedforward"},
 }

@@ -81,3 +81,10 @@ def step_back(context: mm.Context, case: Result, x: np.ndarray, v: np.ndarray, h
     before = -read(context)[1]
     context.setPositions(x)
     return before
+
+
+def fill_sites(case: Result, velocities: np.ndarray) -> np.ndarray:
+    """Gives virtual sites the velocity of the mean that they are, for engines that have none for them."""
+    for site in case["system"].get("virtual_sites", []):
+        velocities[site["atom"]] = np.array(site["weights"]) @ velocities[site["of"]]
+    return velocities

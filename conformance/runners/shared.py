@@ -1,4 +1,4 @@
-"""What runners of several engines share: rows, images, and the clusters that bonds make of atoms."""
+"""What runners of several engines share: programs, rows, images, and the clusters that bonds make of atoms."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import signal
 import subprocess
 from collections import defaultdict
 from pathlib import Path
-from typing import Any, Dict, List, Set
+from typing import Any, Dict, List
 
 import numpy as np
 
@@ -33,6 +33,11 @@ def run_program(arguments: List[str], folder: Path, typed: str = "", **environme
     return subprocess.CompletedProcess(arguments, program.returncode, out, err)
 
 
+def digits(*values: float) -> str:
+    """Numbers with all their digits, as files of several engines have them."""
+    return " ".join(f"{value:.17g}" for value in values)
+
+
 def not_offered(why: str) -> Case:
     return {"offered": False, "why": why}
 
@@ -56,54 +61,43 @@ def moving(case: Case) -> np.ndarray:
     return np.array(case["system"]["masses_u"], dtype=float) > 0
 
 
-def fill_sites(case: Case, velocities: np.ndarray) -> np.ndarray:
-    """Gives virtual sites the velocity of the mean that they are, for engines that have none for them."""
-    for site in case["system"].get("virtual_sites", []):
-        velocities[site["atom"]] = np.array(site["weights"]) @ velocities[site["of"]]
-    return velocities
-
-
-def whole(case: Case) -> np.ndarray:
-    """The box vectors to add to each atom so that bonds go to no image; ValueError if a cluster spans the box."""
-    count = len(case["system"]["masses_u"])
-    shift, seen = np.zeros((count, 3)), set()
-    box = np.array(case["system"].get("box_nm", np.zeros((3, 3))), dtype=float)
-    bonds = [(*bond["atoms"], np.array(bond.get("image", [0, 0, 0]), dtype=float)) for bond in case["system"]["bonds"]]
-    for first in range(count):
-        open_ends = [first] if first not in seen else []
+def images(case: Case) -> List[Dict[int, np.ndarray]]:
+    """The clusters that bonds join: for each atom how many box vectors its image is from that of the cluster's first."""
+    neighbours: Dict[int, List[Any]] = defaultdict(list)
+    for bond in case["system"]["bonds"]:
+        (i, j), image = bond["atoms"], np.array(bond.get("image", [0, 0, 0]))
+        neighbours[i].append((j, image))
+        neighbours[j].append((i, -image))
+    found: List[Dict[int, np.ndarray]] = []
+    for first in sorted(neighbours):
+        if any(first in reached for reached in found):
+            continue
+        reached, open_ends = {first: np.zeros(3)}, [first]
         while open_ends:
             at = open_ends.pop()
-            seen.add(at)
-            for i, j, image in bonds:
-                for a, b, step in ((i, j, image), (j, i, -image)):
-                    if a == at and b not in seen:
-                        shift[b] = shift[a] + step
-                        seen.add(b)
-                        open_ends.append(b)
-    if any(not np.array_equal(shift[j], shift[i] + image) for i, j, image in bonds):
-        raise ValueError("a molecule that goes through the box to its own image")
-    return shift @ box
+            for other, image in neighbours[at]:
+                if other not in reached:
+                    reached[other] = reached[at] + image
+                    open_ends.append(other)
+        found.append(reached)
+    return found
 
 
 def clusters(case: Case) -> List[List[int]]:
     """The atoms that bonds join, each cluster sorted; atoms without bonds are none."""
-    neighbours: Dict[int, Set[int]] = defaultdict(set)
+    return [sorted(reached) for reached in images(case)]
+
+
+def whole(case: Case) -> np.ndarray:
+    """The box vectors to add to each atom so that bonds go to no image; ValueError if a cluster spans the box."""
+    shift = np.zeros((len(case["system"]["masses_u"]), 3))
+    for reached in images(case):
+        shift[list(reached)] = list(reached.values())
     for bond in case["system"]["bonds"]:
         i, j = bond["atoms"]
-        neighbours[i].add(j)
-        neighbours[j].add(i)
-    found, seen = [], set()
-    for atom in sorted(neighbours):
-        if atom in seen:
-            continue
-        reached, open_ends = {atom}, [atom]
-        while open_ends:
-            new = neighbours[open_ends.pop()] - reached
-            reached |= new
-            open_ends += new
-        seen |= reached
-        found.append(sorted(reached))
-    return found
+        if not np.array_equal(shift[j], shift[i] + bond.get("image", [0, 0, 0])):
+            raise ValueError("a molecule that goes through the box to its own image")
+    return shift @ np.array(case["system"].get("box_nm", np.zeros((3, 3))), dtype=float)
 
 
 def gradients(case: Case, x: np.ndarray) -> np.ndarray:

@@ -23,7 +23,7 @@ except ImportError:  # Python before 3.11
     import toml as tomllib  # type: ignore[no-redef]
 
 from shared import run_program
-from taut_xml import system_xml, tag, whole_by_images
+from taut_xml import box_xml, system_xml, tag, whole_by_images
 
 Case = Dict[str, Any]
 
@@ -57,7 +57,7 @@ def state_xml(case: Case, shift: np.ndarray) -> str:
     if "velocities_nm_per_ps" in start:
         parts.append(("Velocities", "Velocity", start["velocities_nm_per_ps"]))
     lists = [tag(several, [tag(one, x=x, y=y, z=z) for x, y, z in rows]) for several, one, rows in parts]
-    return '<?xml version="1.0" ?>' + tag("State", lists, type="State", version=1, time=0, openmmVersion="8.0")
+    return '<?xml version="1.0" ?>' + tag("State", [box_xml(case["system"]), *lists], type="State", version=1, time=0, openmmVersion="8.0")
 
 
 def settings_of(case: Case, variant: str) -> List[str]:

@@ -73,10 +73,13 @@ def one_force(of: Case, system: Case) -> List[str]:
     return [force("PeriodicTorsionForce", [tag("Torsions", [term])], usesPeriodic=0)]
 
 
+def box_xml(system: Case) -> str:
+    box = system.get("box_nm", [[2, 0, 0], [0, 2, 0], [0, 0, 2]])  # OpenMM's, for nothing where no force is periodic
+    return tag("PeriodicBoxVectors", [tag(name, x=x, y=y, z=z) for name, (x, y, z) in zip("ABC", box)])
+
+
 def system_xml(case: Case) -> str:
     system = case["system"]
-    box = system.get("box_nm", [[2, 0, 0], [0, 2, 0], [0, 0, 2]])  # OpenMM's, for nothing where no force is periodic
-    boxed = [tag("PeriodicBoxVectors", [tag(name, x=x, y=y, z=z) for name, (x, y, z) in zip("ABC", box)])]
     sites = {site["atom"]: tag(("Two" if len(site["of"]) == 2 else "Three") + "ParticleAverageSite",
                                **numbered(site["of"]), **{f"w{n + 1}": w for n, w in enumerate(site["weights"])})
              for site in system.get("virtual_sites", [])}
@@ -90,7 +93,7 @@ def system_xml(case: Case) -> str:
         forces.append(nonbonded({"charges_e": nothing, "sigma_nm": [1] * len(particles), "epsilon_kj_per_mol": nothing,
                                  "excluded": [], "cutoff_nm": cutoff}, periodic=True))
     return '<?xml version="1.0" ?>' + tag(
-        "System", boxed + [tag("Particles", particles), tag("Constraints", bonds), tag("Forces", forces)],
+        "System", [box_xml(system), tag("Particles", particles), tag("Constraints", bonds), tag("Forces", forces)],
         type="System", version=1, openmmVersion="8.0")
 
 

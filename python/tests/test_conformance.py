@@ -41,13 +41,7 @@ def fixed_cases(suite):
 
 
 def read_kept(path):
-    """All verdicts of a file of results: whole, or those passed and not offered in short."""
-    kept = json.loads(path.read_text(encoding="utf-8"))
-    short = [{"case": case, "what": what, "verdict": "passed", "tolerance": tolerance}
-             for case, asks in kept.get("passed", {}).items() for what, (_, tolerance) in asks.items()]
-    short += [{"case": case, "what": what, "verdict": "not offered"}
-              for cases in kept.get("not offered", {}).values() for case, asks in cases.items() for what in asks]
-    return kept["verdicts"] + short
+    return load("conformance_keeping", FOLDER / "keeping.py").read_results(path)["verdicts"]
 
 
 def case_called(suite, name):
@@ -86,6 +80,29 @@ def test_taut_passes_all_but_what_the_matrix_says(suite, runner, method):
     if method in ("newton", "mshake", "feedforward", "baumgarte"):  # two bonds on one pair alone
         assert {case for (case, _), verdict in made.items() if verdict in ("failed", "refused")} == {
             "freedom_with_a_bond_twice"}
+
+
+@pytest.mark.parametrize("method", ["newton", "rattle", "baumgarte"])
+def test_baths_give_the_right_means(suite, runner, method):
+    for name in ("pendulums_in_a_bath", "gas_of_trimers"):
+        case = case_called(suite, name)
+        case["asks"] = [ask for ask in case["asks"] if ask["what"] == "mean"]
+        assert [one["verdict"] for one in suite.judge_case(case, lambda varied: runner.run(varied, method))] == ["passed"]
+
+
+@pytest.mark.parametrize("name", ["star", "two_waters", "cholesterol_diamond", "triatomic_near_180",
+                                  "pair_across_a_triclinic_box", "rigid_benzene_with_sites"])
+def test_crosscheck_agrees(suite, command, tmp_path, name):
+    """OpenMM's run of the case beside newton's and rattle's."""
+    case, files = case_called(suite, name), suite.load_runner("taut_command")
+    (tmp_path / "system.xml").write_text(files.system_xml(case))
+    (tmp_path / "state.xml").write_text(files.state_xml(case, files.whole_by_images(case)))
+    done = files.run_program([command, "crosscheck", "--openmm", "system.xml", "state.xml", "--steps", "50", "--dt-fs",
+                              str(1000 * case["run"]["step_ps"]), "--speed-seconds", "0", "--json"], tmp_path)
+    if "without OpenMM" in done.stderr:
+        pytest.skip(done.stderr)
+    verdicts = json.loads(done.stdout)["verdicts"]
+    assert len(verdicts) > 5 and {one["finding"] for one in verdicts} == {"agrees"}, verdicts
 
 
 def test_results_are_of_these_cases(suite):
