@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Makes MATRIX.md from results/*.json, telling.md and reasons.json: who passes which case, by how much, and why not.
 
-reasons.json says why an engine fails: the first entry whose patterns of runner:variant, case and what fit a failure.
+reasons.json says why an engine fails, and where that is `reported`: the first entry whose patterns of runner:variant,
+case and what fit a failure.
 """
 
 from __future__ import annotations
@@ -21,8 +22,11 @@ from keeping import read_results  # noqa: E402  (its folder is no package)
 
 Verdict = Dict[str, Any]
 ORDER = ("taut_python", "taut_command", "openmm", "lammps", "gromacs", "ase", "sander", "cp2k", "jaxmd", "mujoco", "exudyn")
+USUAL = ("double precision", "double precision of forces", "double precision of pair forces", "defaults", "tolerance of the case",
+         "constraint tolerance of the case", "fix nve", "leapfrog", "VerletIntegrator", "up to 1000 iterations",
+         "LangevinMiddleIntegrator with a thermostat", "integrator md (sd with a thermostat)")
 SOFT = ("taut_python:none", "taut_python:penalty", "mujoco_python:tendons_rk4")
-WORSE = ("passed", "undecided", "not offered", "refused", "failed")
+WORSE = ("passed", "undecided", "not done", "not offered", "refused", "failed")
 
 
 def read_all() -> List[Dict[str, Any]]:
@@ -69,7 +73,7 @@ def cell(verdicts: List[Verdict]) -> str:
         if times < 1:
             return "o"
         return f"{times:.1f}" if times < 9.95 else f"{times:.0e}".replace("e+0", "e").replace("e+", "e")
-    return {"passed": "✓", "undecided": "?", "refused": "r", "not offered": "–"}[worst["verdict"]]
+    return {"passed": "✓", "undecided": "?", "refused": "r", "not offered": "–", "not done": ""}[worst["verdict"]]
 
 
 def over(verdict: Verdict) -> float:
@@ -87,18 +91,19 @@ def read_groups() -> Dict[str, List[str]]:
     return groups
 
 
-def count_table(results: List[Dict[str, Any]]) -> List[str]:
-    lines = ["|no.|engine and settings|passed|failed|undecided|refused|not offered|cases run|", "|---|---|---|---|---|---|---|---|"]
-    before = {"engine": "", "version": "", "settings": ""}
+def count_table(results: List[Dict[str, Any]], asked: int) -> List[str]:
+    words = ("passed", "failed", "undecided", "refused", "not offered")
+    lines = [f"|no.|engine and settings|{'|'.join(words)}|not done|", "|---|---|---|---|---|---|---|---|"]
+    before = {"engine": "", "version": ""}
     for one in results:
         about = one["about"]
-        counts = [sum(v["verdict"] == word for v in one["verdicts"])
-                  for word in ("passed", "failed", "undecided", "refused", "not offered")]
+        counts = [sum(v["verdict"] == word for v in one["verdicts"]) for word in words]
         called = "" if about["engine"] == before["engine"] and about["version"] == before["version"] else (
             f"{about['engine']} {about['version']} ")
-        settings = "" if not called and about["settings"] == before["settings"] else f": {about['settings']}"
-        lines.append(f"|{one['number']}|{called}`{about['variant']}`{settings}|" + "|".join(map(str, counts))
-                     + f"|{len({v['case'] for v in one['verdicts']})}|")
+        said = ", ".join(part for part in re.split("[,;] ", about["settings"]) if part not in USUAL)
+        settings = f": {said}" if said else ""
+        lines.append(f"|{one['number']}|{called}`{about['variant']}`{settings}|"
+                     + "|".join(map(str, [*counts, asked - sum(counts)])) + "|")
         before = about
     return lines
 
@@ -137,21 +142,22 @@ def reason_of(reasons: List[Dict[str, str]], name: str, verdict: Verdict) -> Dic
 
 
 def failures(results: List[Dict[str, Any]], reasons: List[Dict[str, str]]) -> List[str]:
-    """The reasons, each with how many asks of which engine it explains, and one of them."""
-    gathered: Dict[str, List[Tuple[int, Verdict]]] = {}
+    """The reasons, each with how many asks of which engine it explains, one of them, and where it is reported."""
+    gathered: Dict[Tuple[str, str], List[Tuple[int, Verdict]]] = {}
     for one in results:
         for verdict in one["verdicts"]:
             if verdict["verdict"] == "failed":
-                why = reason_of(reasons, label(one), verdict)["why"]
-                gathered.setdefault(why, []).append((one["number"], verdict))
+                reason = reason_of(reasons, label(one), verdict)
+                reported = "" if label(one).startswith("taut") else reason.get("reported") or "not reported"
+                gathered.setdefault((reason["why"], reported), []).append((one["number"], verdict))
     lines = []
-    for why, found in gathered.items():
+    for (why, reported), found in gathered.items():
         counts = Counter(number for number, _ in found)
         example = found[0][1]
         by = (f"{example['error']:.1e} of {example['tolerance']:.0e}" if example.get("error") is not None
               else re.sub(r"^the runner: EngineStopped: ", "", example.get("why", "not finite"))[:50])
-        lines.append(wrapped(f"- {', '.join(f'**{number}** ({count})' for number, count in counts.items())}: {why}. "
-                             f"`{example['case']}`, {example['what']}: {by}"))
+        lines.append(wrapped(f"- {', '.join(f'**{number}** ({count})' for number, count in counts.items())}: {why}"
+                             f"{f' [{reported}]' if reported else ''}. `{example['case']}`, {example['what']}: {by}"))
     return lines
 
 
@@ -167,25 +173,25 @@ Made by `matrix.py` from `results/`; [README.md](README.md) describes the cases.
 
 ## Who was run
 
-Numbers count what the {count} cases ask. Not offered: the engine has no words for it, or its runner does not write them.
-Undecided: the mean is right within four standard errors, which are larger than the case allows. Settings that are not
-told are those of the row above.
+Numbers count what the {count} cases ask: {asked}. Double precision, the case's tolerance, the engine's usual integrator,
+unless told. Undecided: right within four standard errors, which are larger than allowed. Not offered: the engine has no
+words for it, or its runner writes none. Not done: not within the time that `results` name, or not run.
 
 {counts}
 
 ## Cases
 
-Columns have the numbers of the table above. A number is how many times the error is larger than allowed, of the worst
-that the case asks. ✗ has no number: NaN, an engine that broke off, or no refusal. `o`: small enough, but not falling
-with the step as it ought to; `r`: refused with a message; `?`: undecided; `–`: not offered; empty: not run, or not done
-in the time it was given. Left out are {soft}, which on purpose hold no bond rigid.
+Columns have the numbers above; a cell how many times the worst error is larger than allowed. ✗: NaN, broken off, or no
+refusal; `o`: small enough, but not falling with the step as it ought to; `r`: refused; `?`: undecided; `–`: not offered;
+empty: not done. Left out are {soft}, which on purpose hold no bond rigid.
 
 {tables}
 
 ## Why they fail
 
-Bold is the engine's number, then how many asks it fails for this reason; and one of them, with its error and what is
-allowed.
+Bold is the engine's number, then how many asks it fails for this reason; one of them, with its error and what is allowed.
+`run.py RUNNER:VARIANT CASE` makes it again; scripts of the engine alone are in `failures`. In brackets is where the
+project's issues or pull requests have it, where a search of them found it.
 
 {failures}
 """
@@ -194,10 +200,11 @@ allowed.
 def main() -> int:
     results, groups = read_all(), read_groups()
     reasons = json.loads((HERE / "reasons.json").read_text(encoding="utf-8"))
+    asked = sum(len(json.loads(path.read_text(encoding="utf-8"))["asks"]) for path in HERE.glob("cases/*/*.json"))
     text = HEAD.format(
         telling=(HERE / "telling.md").read_text(encoding="utf-8").strip(),
-        count=sum(map(len, groups.values())),
-        counts="\n".join(count_table(results)),
+        count=sum(map(len, groups.values())), asked=asked,
+        counts="\n".join(count_table(results, asked)),
         soft=", ".join(str(one["number"]) for one in results if label(one) in SOFT),
         tables="\n".join(case_tables([one for one in results if label(one) not in SOFT], groups)),
         failures="\n".join(failures(results, reasons)))

@@ -40,17 +40,21 @@ def bond_vectors(case: Case, positions: np.ndarray) -> np.ndarray:
     return along
 
 
-def count_degrees_of_freedom(case: Case, positions: np.ndarray) -> int:
-    """3 for each atom that moves, less the rank of J diag(1/m)^½, J the gradients of the bonds."""
-    masses, bonds = masses_of(case), case["system"]["bonds"]
-    jacobian = np.zeros((len(bonds), masses.size, 3))
-    for row, bond, r in zip(jacobian, bonds, bond_vectors(case, positions)):
+def gradients(case: Case, positions: np.ndarray) -> np.ndarray:
+    """The unit vectors along bonds as a matrix, bonds by 3·atoms: the gradient of each length."""
+    made = np.zeros((len(case["system"]["bonds"]), len(positions), 3))
+    for row, bond, r in zip(made, case["system"]["bonds"], bond_vectors(case, positions)):
         i, j = bond["atoms"]
         row[i], row[j] = -r / np.linalg.norm(r), r / np.linalg.norm(r)
-    moving = masses > 0
-    scaled = jacobian[:, moving] / np.sqrt(masses[moving])[None, :, None]
-    rank = np.linalg.matrix_rank(scaled.reshape(len(bonds), -1), tol=1e-9) if bonds else 0
-    return int(3 * moving.sum() - rank)
+    return made.reshape(len(made), -1)
+
+
+def count_degrees_of_freedom(case: Case, positions: np.ndarray) -> int:
+    """3 for each atom that moves, less the rank of J diag(1/m)^½, J the gradients of the bonds."""
+    masses = np.repeat(masses_of(case), 3)
+    scaled = gradients(case, positions)[:, masses > 0] / np.sqrt(masses[masses > 0])
+    rank = np.linalg.matrix_rank(scaled, tol=1e-9) if len(scaled) else 0
+    return int((masses > 0).sum() - rank)
 
 
 def total_energy(case: Case, rows: Rows) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""ASE: FixBondLengths, and FixLinearTriatomic for three atoms in a line, under VelocityVerlet.
+"""ASE: FixBondLengths under VelocityVerlet.
 
 Forces come from a calculator of the runner's. ASE's units are converted by its own constants: its time is Å √(u/eV), so
 that steps, masses and energies keep Newton's law; a length of 1 nm is 10 Å. Atoms that never move are of FixAtoms,
@@ -13,7 +13,7 @@ import ase
 import numpy as np
 from ase import Atoms, units
 from ase.calculators.calculator import Calculator, all_changes
-from ase.constraints import FixAtoms, FixBondLengths, FixLinearTriatomic
+from ase.constraints import FixAtoms, FixBondLengths
 from ase.md.langevin import Langevin
 from ase.md.verlet import VelocityVerlet
 
@@ -21,16 +21,15 @@ from forces import force_function
 from shared import (
     Case, EngineStopped, moving, nearest_images, not_offered, row_steps, start_velocities, wants_refusal)
 
-VARIANTS: Dict[str, Dict[str, Any]] = {"fix_bond_lengths": {}, "fix_linear_triatomic": {"linear": True}}
+VARIANTS: Dict[str, Dict[str, Any]] = {"fix_bond_lengths": {}}
 EV = 96.48533212331  # kJ/mol in an eV
 PS = 1000 * units.fs
 SPEED = units.Ang * 10 / PS
 
 
 def describe(variant: str) -> Dict[str, str]:
-    held = "FixLinearTriatomic" if VARIANTS[variant] else "FixBondLengths, tolerance 1e-13, the default"
     return {"engine": "ASE", "version": ase.__version__,
-            "settings": f"{held}; VelocityVerlet (Langevin with a thermostat), double precision"}
+            "settings": "FixBondLengths, tolerance 1e-13, the default; VelocityVerlet (Langevin with a thermostat), double precision"}
 
 
 class Formulas(Calculator):
@@ -48,19 +47,12 @@ class Formulas(Calculator):
         self.results = {"energy": energy / EV, "forces": forces / EV / 10}
 
 
-def make_constraints(case: Case, variant: str) -> List[Any]:
+def make_constraints(case: Case) -> List[Any]:
     pairs = [bond["atoms"] for bond in case["system"]["bonds"]]
     made: List[Any] = []
     frozen = [int(i) for i in np.nonzero(~moving(case))[0]]
     if frozen:
         made.append(FixAtoms(frozen))
-    if VARIANTS[variant]:
-        x = np.array(case["start"]["positions_nm"], dtype=float)
-        if len(x) != 3 or len(pairs) < 2 or np.linalg.norm(np.cross(x[1] - x[0], x[2] - x[0])) > 1e-9:
-            raise ValueError("FixLinearTriatomic holds three atoms in a line")
-        centre = int(np.argmin(np.linalg.norm(x - x.mean(axis=0), axis=1)))
-        a, b = (i for i in range(3) if i != centre)
-        return [*made, FixLinearTriatomic([(a, centre, b)])]
     if pairs:
         made.append(FixBondLengths(pairs, bondlengths=[10 * bond["length_nm"] for bond in case["system"]["bonds"]]))
     return made
@@ -68,8 +60,6 @@ def make_constraints(case: Case, variant: str) -> List[Any]:
 
 def run(case: Case, variant: str) -> Case:
     system, at_rest = case["system"], ~moving(case)
-    if VARIANTS[variant] and wants_refusal(case):
-        return not_offered("FixLinearTriatomic takes the lengths that it finds")
     if "virtual_sites" in system:
         return not_offered("no virtual sites")
     if not nearest_images(case):
@@ -79,7 +69,7 @@ def run(case: Case, variant: str) -> Case:
     masses = np.where(at_rest, 1.0, system["masses_u"])
     try:
         atoms = Atoms("H" * len(masses), positions=10 * np.array(case["start"]["positions_nm"], dtype=float),
-                      masses=system["masses_u"] if wants_refusal(case) else masses, constraint=make_constraints(case, variant),
+                      masses=system["masses_u"] if wants_refusal(case) else masses, constraint=make_constraints(case),
                       cell=10 * np.array(system["box_nm"]) if "box_nm" in system else None, pbc="box_nm" in system)
     except ValueError as why:
         return {"refused": str(why)} if wants_refusal(case) else not_offered(str(why))

@@ -18,7 +18,7 @@ import numpy as np
 
 from shared import Case, EngineStopped, moving, not_offered, row_steps, run_program, start_velocities, wants_refusal
 
-VARIANTS: Dict[str, Dict[str, Any]] = {"rattle": {}, "rattle_default_tolerance": {"tolerance": 1e-6}}
+VARIANTS: Dict[str, Dict[str, Any]] = {"rattle": {}}
 BOHR, HARTREE, AU_TIME = 0.0529177210903, 2625.4996394799, 2.4188843265857e-5  # nm, kJ/mol, ps
 SPEED = BOHR / AU_TIME
 
@@ -35,9 +35,8 @@ def version() -> str:
 
 
 def describe(variant: str) -> Dict[str, str]:
-    tolerance = "1e-6, the default" if VARIANTS[variant] else "of the case"
     return {"engine": "CP2K", "version": version(),
-            "settings": f"COLLECTIVE DISTANCE constraints, SHAKE_TOLERANCE {tolerance}, ENSEMBLE NVE, double precision"}
+            "settings": "COLLECTIVE DISTANCE constraints, SHAKE_TOLERANCE of the case, ENSEMBLE NVE, double precision"}
 
 
 def potential(atoms: List[int], formula: str) -> List[str]:
@@ -117,7 +116,7 @@ def run(case: Case, variant: str) -> Case:
             return not_offered(f"{word} are not written by this runner")
     if "langevin" in case["run"]:
         return not_offered("no Langevin thermostat with constraints")
-    tolerance = VARIANTS[variant].get("tolerance", case["run"].get("bond_tolerance", 1e-10))
+    tolerance = case["run"].get("bond_tolerance", 1e-10)
     with tempfile.TemporaryDirectory() as name:
         folder, count = Path(name), len(case["system"]["masses_u"])
         try:

@@ -1,4 +1,4 @@
-"""GROMACS: LINCS, SHAKE and SETTLE under the integrator md, the leapfrog that its manual recommends, and md-vv.
+"""GROMACS: LINCS, SHAKE and SETTLE under the integrator md, the leapfrog that its manual recommends.
 
 The commands are `gmx_d` for double precision, and what GMX_NEW names (else `gmx`) for the newest version there is. md's
 velocities are half a step behind: a run starts from that of half a step before, found by a step of GROMACS's own
@@ -15,26 +15,23 @@ from pathlib import Path
 from typing import Any, Dict, List
 
 import numpy as np
-from gromacs_files import Unsayable, call, read_trr, roomy, write_coordinates, write_parameters, write_topology
+from gromacs_files import call, read_trr, write_coordinates, write_topology
+from gromacs_parameters import Unsayable, roomy, write_parameters
 
 from forces import force_function
 from shared import (
-    EngineStopped, nearest_images, not_offered, row_steps, run_program, start_velocities, unwrap, wants_refusal,
-    wants_tensions_alone)
+    Case, EngineStopped, inverse_masses, nearest_images, not_offered, row_steps, run_program, start_velocities, unwrap,
+    wants_refusal, wants_tensions_alone)
 
-LINCS, TIGHT = {"algorithm": "lincs", "order": 4, "iter": 1}, {"algorithm": "lincs", "order": 8, "iter": 8}
+LINCS = {"algorithm": "lincs", "order": 4, "iter": 1}
 VARIANTS: Dict[str, Dict[str, Any]] = {
     "lincs": {**LINCS, "program": "gmx_d"},
-    "lincs_order_8_iter_8": {**TIGHT, "program": "gmx_d"},
-    "lincs_order_8_iter_8_md_vv": {**TIGHT, "program": "gmx_d", "integrator": "md-vv"},
+    "lincs_order_8_iter_8": {"algorithm": "lincs", "order": 8, "iter": 8, "program": "gmx_d"},
     "shake": {"algorithm": "shake", "program": "gmx_d"},
-    "shake_md_vv": {"algorithm": "shake", "program": "gmx_d", "integrator": "md-vv"},
     "settle": {"algorithm": "settle", "program": "gmx_d"},
     "newest_lincs_mixed": {**LINCS, "program": "new"},
-    "newest_lincs_order_8_iter_8_mixed": {**TIGHT, "program": "new"},
     "newest_settle_mixed": {"algorithm": "settle", "program": "new"},
 }
-Case = Dict[str, Any]
 
 
 def command(variant: str) -> str:
@@ -55,7 +52,7 @@ def describe(variant: str) -> Dict[str, str]:
             "shake": "SHAKE, shake-tol of the case", "settle": "SETTLE"}[of["algorithm"]]
     precision = "mixed" if of["program"] == "new" else "double"
     return {"engine": "GROMACS", "version": version_of(command(variant)),
-            "settings": f"{held}, integrator {of.get('integrator', 'md')} (sd with a thermostat), {precision} precision"}
+            "settings": f"{held}, integrator md (sd with a thermostat), {precision} precision"}
 
 
 def constraint_lines(case: Case, of: Dict[str, Any]) -> List[str]:
@@ -114,7 +111,7 @@ def run(case: Case, variant: str) -> Case:
         return not_offered("a bond goes to the nearest image, and this one does not")
     with tempfile.TemporaryDirectory() as name:
         try:
-            return run_in(case, Gromacs(roomy(case), of, command(variant), Path(name)), of)
+            return run_in(case, Gromacs(roomy(case), of, command(variant), Path(name)))
         except Unsayable as why:
             return not_offered(str(why))
         except EngineStopped as stopped:
@@ -123,14 +120,12 @@ def run(case: Case, variant: str) -> Case:
             raise
 
 
-def run_in(case: Case, engine: Gromacs, of: Dict[str, Any]) -> Case:
+def run_in(case: Case, engine: Gromacs) -> Case:
     x, v, h, steps = (np.array(case["start"]["positions_nm"], float), start_velocities(case), case["run"]["step_ps"],
                       case["run"]["steps"])
-    integrator = "sd" if "langevin" in case["run"] else of.get("integrator", "md")
+    integrator = "sd" if "langevin" in case["run"] else "md"
     if integrator == "md" and steps:  # half a step back: a step of the motion turned round
-        masses = np.array(case["system"]["masses_u"], float)[:, None]
-        turn = -v - 0.5 * h * np.divide(force_function(case)(x)[1], masses, where=masses > 0, out=np.zeros_like(v))
-        back = engine.move(turn, 1, "md")
+        back = engine.move(-v - 0.5 * h * force_function(case)(x)[1] * inverse_masses(case)[:, None], 1, "md")
         if isinstance(back, str):
             return {"refused": back}
         v = -back[1][1]

@@ -24,7 +24,6 @@ from shared import (
 
 VARIANTS: Dict[str, Dict[str, Any]] = {
     "shake": {"fix": "shake"},
-    "shake_manuals_tolerance": {"fix": "shake", "tolerance": 1e-4},
     "rattle": {"fix": "rattle"},
     "rattle_older": {"fix": "rattle", "older": True},
     "rigid": {"fix": "rigid"},
@@ -49,8 +48,7 @@ def version_of(program: str) -> str:
 
 def describe(variant: str) -> Dict[str, str]:
     of = VARIANTS[variant]
-    tolerance = f"{of['tolerance']:g}, as the manual's example has it" if "tolerance" in of else "of the case"
-    iterated = f"tolerance {tolerance}, up to 1000 iterations"
+    iterated = "tolerance of the case, up to 1000 iterations"
     held = {"shake": iterated, "rattle": iterated, "taut": "feedforward"}.get(of["fix"], "")
     return {"engine": "LAMMPS" + (" with taut's fix" if of["fix"] == "taut" else ""),
             "version": version_of(command(variant)), "settings": f"fix {of['fix']} {held}".strip() +
@@ -94,7 +92,7 @@ def constraint_lines(made: Dict[str, Any], case: Case, of: Dict[str, Any]) -> Li
                      for letter, section in (("b", "Bonds"), ("a", "Angles")) if rigid[section])
     if fix == "taut":
         return ["fix move all nve", f"fix hold all taut feedforward {kinds}"] if kinds else ["fix move all nve"]
-    tolerance = of.get("tolerance", case["run"].get("bond_tolerance", 1e-10))
+    tolerance = case["run"].get("bond_tolerance", 1e-10)
     return ["fix move all nve"] + ([f"fix hold all {fix} {tolerance:g} 1000 0 {kinds}"] if kinds else [])
 
 

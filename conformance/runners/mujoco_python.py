@@ -15,7 +15,7 @@ import numpy as np
 from forces import force_function
 from shared import Case, EngineStopped, moving, not_offered, row_steps, start_velocities, wants_refusal
 
-VARIANTS: Dict[str, Dict[str, Any]] = {"tendons_rk4": {"integrator": "RK4"}, "tendons_euler": {"integrator": "Euler"}}
+VARIANTS: Dict[str, Dict[str, Any]] = {"tendons_rk4": {"integrator": "RK4"}}
 
 
 def describe(variant: str) -> Dict[str, str]:

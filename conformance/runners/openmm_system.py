@@ -7,6 +7,8 @@ from typing import Any, Dict, List
 import numpy as np
 import openmm as mm
 
+from shared import inverse_masses
+
 Result = Dict[str, Any]
 
 
@@ -74,9 +76,8 @@ def read(context: mm.Context) -> List[Any]:
 
 def step_back(context: mm.Context, case: Result, x: np.ndarray, v: np.ndarray, h: float) -> np.ndarray:
     """The velocity half a step before: minus that of half a step after in the motion turned round."""
-    masses = np.array(case["system"]["masses_u"], dtype=float)[:, None]
     f = np.array(context.getState(forces=True).getForces(asNumpy=True)._value)
-    context.setVelocities(-v - 0.5 * h * np.divide(f, masses, where=masses > 0, out=np.zeros_like(f)))
+    context.setVelocities(-v - 0.5 * h * f * inverse_masses(case)[:, None])
     context.getIntegrator().step(1)
     before = -read(context)[1]
     context.setPositions(x)

@@ -21,7 +21,7 @@ from sander_files import read_restart, write_restart, write_topology
 from forces import force_function
 from shared import Case, EngineStopped, moving, not_offered, row_steps, run_program, start_velocities, wants_refusal
 
-VARIANTS: Dict[str, Dict[str, Any]] = {"shake": {}, "shake_default_tolerance": {"tolerance": 1e-5}}
+VARIANTS: Dict[str, Dict[str, Any]] = {"shake": {}}
 
 
 def command() -> str:
@@ -29,11 +29,10 @@ def command() -> str:
 
 
 def describe(variant: str) -> Dict[str, str]:
-    tolerance = "1e-5, the default" if VARIANTS[variant] else "of the case"
     said = subprocess.run([command(), "--version"], capture_output=True, text=True, check=False)
     found = re.search(r"Version (\S+)", said.stdout + said.stderr)
     return {"engine": "AmberTools sander", "version": found.group(1) if found else "unknown",
-            "settings": f"ntc=2, ntf=1, tol {tolerance}, jfastw=4; leapfrog, double precision"}
+            "settings": "ntc=2, ntf=1, tol of the case, jfastw=4; leapfrog, double precision"}
 
 
 def move(case: Case, folder: Path, x: np.ndarray, v: np.ndarray, steps: int, tolerance: float) -> Dict[int, Any]:
@@ -57,7 +56,7 @@ def run(case: Case, variant: str) -> Case:
             return not_offered(f"{word} are not written by this runner")
     if "langevin" in case["run"] or not moving(case).all() and not wants_refusal(case):
         return not_offered("thermostats and frozen atoms are not written by this runner")
-    tolerance = VARIANTS[variant].get("tolerance", case["run"].get("bond_tolerance", 1e-10))
+    tolerance = case["run"].get("bond_tolerance", 1e-10)
     x, v, h = np.array(case["start"]["positions_nm"], float), start_velocities(case), case["run"]["step_ps"]
     steps, rows = case["run"]["steps"], row_steps(case)
     with tempfile.TemporaryDirectory() as name:

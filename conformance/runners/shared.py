@@ -11,8 +11,8 @@ from typing import Any, Dict, List
 
 import numpy as np
 
-Case = Dict[str, Any]
-BOLTZMANN = 0.00831446261815324  # kJ/mol/K
+from quantities import BOLTZMANN, Case, bond_vectors, gradients, masses_of
+
 BAR = 16.6053906717  # bar in a kJ/mol/nm³
 
 
@@ -58,7 +58,12 @@ def wants_tensions_alone(case: Case) -> bool:
 
 
 def moving(case: Case) -> np.ndarray:
-    return np.array(case["system"]["masses_u"], dtype=float) > 0
+    return masses_of(case) > 0
+
+
+def inverse_masses(case: Case) -> np.ndarray:
+    """0 for atoms that do not move."""
+    return np.divide(1, masses_of(case), where=moving(case), out=np.zeros(len(moving(case))))
 
 
 def images(case: Case) -> List[Dict[int, np.ndarray]]:
@@ -100,18 +105,6 @@ def whole(case: Case) -> np.ndarray:
     return shift @ np.array(case["system"].get("box_nm", np.zeros((3, 3))), dtype=float)
 
 
-def gradients(case: Case, x: np.ndarray) -> np.ndarray:
-    """The unit vectors along bonds as a matrix, bonds by 3·atoms: the gradient of each length."""
-    made = np.zeros((len(case["system"]["bonds"]), len(x), 3))
-    box = np.array(case["system"].get("box_nm", np.zeros((3, 3))), dtype=float)
-    for row, bond in zip(made, case["system"]["bonds"]):
-        i, j = bond["atoms"]
-        r = x[j] - x[i] + np.array(bond.get("image", [0, 0, 0])) @ box
-        row[j] = r / np.linalg.norm(r)
-        row[i] = -row[j]
-    return made.reshape(len(made), -1)
-
-
 def is_rigid(case: Case, atoms: List[int]) -> bool:
     """Whether the bonds leave a cluster only the freedoms of a rigid body."""
     x = np.array(case["start"]["positions_nm"], dtype=float)
@@ -129,9 +122,7 @@ def start_velocities(case: Case) -> np.ndarray:
     """Those of the case; or drawn by its seed from Maxwell's distribution, and brought along no bond by M⁻¹Jᵀ."""
     if "velocities_nm_per_ps" in case["start"]:
         return np.array(case["start"]["velocities_nm_per_ps"], dtype=float)
-    x, masses = (np.array(values, dtype=float) for values in
-                 (case["start"]["positions_nm"], case["system"]["masses_u"]))
-    inverse = np.repeat(np.where(masses > 0, 1 / np.where(masses > 0, masses, 1), 0), 3)
+    x, inverse = np.array(case["start"]["positions_nm"], dtype=float), np.repeat(inverse_masses(case), 3)
     draws = np.random.default_rng(case["run"].get("seed", 1)).normal(size=x.size)
     v = draws * np.sqrt(BOLTZMANN * case["start"]["temperature_k"] * inverse)
     jacobian = gradients(case, x)
@@ -141,16 +132,9 @@ def start_velocities(case: Case) -> np.ndarray:
 
 def nearest_images(case: Case) -> bool:
     """Whether every bond goes to that image of its second atom which is nearest to the first."""
-    if "box_nm" not in case["system"]:
-        return True
-    box, x = np.array(case["system"]["box_nm"]), np.array(case["start"]["positions_nm"], dtype=float)
-    around = np.array(list(np.ndindex(3, 3, 3))) - 1
-    for bond in case["system"]["bonds"]:
-        i, j = bond["atoms"]
-        r = x[j] - x[i] + np.array(bond.get("image", [0, 0, 0])) @ box
-        if np.linalg.norm(r + around @ box, axis=1).min() < 0.999 * np.linalg.norm(r):
-            return False
-    return True
+    around = (np.array(list(np.ndindex(3, 3, 3))) - 1) @ np.array(case["system"].get("box_nm", np.zeros((3, 3))))
+    along = bond_vectors(case, np.array(case["start"]["positions_nm"], dtype=float))
+    return all(np.linalg.norm(r + around, axis=1).min() > 0.999 * np.linalg.norm(r) for r in along)
 
 
 def unwrap(case: Case, frames: List[np.ndarray]) -> np.ndarray:
