@@ -148,7 +148,7 @@ def failures(results: List[Dict[str, Any]], reasons: List[Dict[str, str]]) -> Li
         for verdict in one["verdicts"]:
             if verdict["verdict"] == "failed":
                 reason = reason_of(reasons, label(one), verdict)
-                reported = "" if label(one).startswith("taut") else reason.get("reported") or "not reported"
+                reported = "" if label(one).startswith("taut") else reason.get("reported", "")
                 gathered.setdefault((reason["why"], reported), []).append((one["number"], verdict))
     lines = []
     for (why, reported), found in gathered.items():
@@ -190,8 +190,8 @@ empty: not done. Left out are {soft}, which on purpose hold no bond rigid.
 ## Why they fail
 
 Bold is the engine's number, then how many asks it fails for this reason; one of them, with its error and what is allowed.
-`run.py RUNNER:VARIANT CASE` makes it again; scripts of the engine alone are in `failures`. In brackets is where the
-project's issues or pull requests have it, where a search of them found it.
+`run.py RUNNER:VARIANT CASE` makes it again; scripts of the engine alone are in `failures`. In brackets: issues and pull
+requests on GitHub that report it. For the others a search there found none; GROMACS, ASE and Amber keep theirs elsewhere.
 
 {failures}
 """

@@ -48,10 +48,10 @@ def version_of(program: str) -> str:
 
 def describe(variant: str) -> Dict[str, str]:
     of = VARIANTS[variant]
-    iterated = "tolerance of the case, up to 1000 iterations"
-    held = {"shake": iterated, "rattle": iterated, "taut": "feedforward"}.get(of["fix"], "")
+    iterated = ", tolerance of the case, up to 1000 iterations"
+    held = {"shake": iterated, "rattle": iterated, "taut": " feedforward"}.get(of["fix"], "")
     return {"engine": "LAMMPS" + (" with taut's fix" if of["fix"] == "taut" else ""),
-            "version": version_of(command(variant)), "settings": f"fix {of['fix']} {held}".strip() +
+            "version": version_of(command(variant)), "settings": f"fix {of['fix']}{held}" +
             ("" if "rigid/nve" in of["fix"] else ", fix nve") + ", double precision"}
 
 
