@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes MATRIX.md from results/*.json, telling.md and reasons.json: who passes which case, by how much, and why not.
+"""Makes MATRIX.md anew from results/*.json and reasons.json, but for its ten rows: who passes what, and why not.
 
 reasons.json says why an engine fails, and where that is `reported`: the first entry whose patterns of runner:variant,
 case and what fit a failure.
@@ -167,7 +167,9 @@ def wrapped(item: str) -> str:
 
 HEAD = """# Who holds rigid bonds right: the matrix
 
-Made by `matrix.py` from `results/`; [README.md](README.md) describes the cases.
+Made by `matrix.py` from `results/`, but for the ten rows; [README.md](README.md) describes the cases.
+
+## Ten rows that tell most
 
 {telling}
 
@@ -202,7 +204,7 @@ def main() -> int:
     reasons = json.loads((HERE / "reasons.json").read_text(encoding="utf-8"))
     asked = sum(len(json.loads(path.read_text(encoding="utf-8"))["asks"]) for path in HERE.glob("cases/*/*.json"))
     text = HEAD.format(
-        telling=(HERE / "telling.md").read_text(encoding="utf-8").strip(),
+        telling=(HERE / "MATRIX.md").read_text(encoding="utf-8").split("\n## ")[1].partition("\n")[2].strip(),
         count=sum(map(len, groups.values())), asked=asked,
         counts="\n".join(count_table(results, asked)),
         soft=", ".join(str(one["number"]) for one in results if label(one) in SOFT),
