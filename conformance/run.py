@@ -8,6 +8,7 @@ results/RUNNER.VARIANT.json, beside those of cases that did not run. --seconds 1
 from __future__ import annotations
 
 import argparse
+import contextlib
 import importlib.util
 import json
 import os
@@ -16,7 +17,7 @@ import signal
 import sys
 from pathlib import Path
 from types import ModuleType
-from typing import Any, Dict, Iterable, List
+from typing import Any, Dict, Iterable, Iterator, List
 
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE / "runners")]
@@ -55,17 +56,26 @@ def spent() -> float:
     return sum(os.times()[:4])
 
 
-def watch(limit: int) -> None:
-    """TookTooLong where limit seconds of processor time are spent from here on; a program may spend as many alone."""
-    end, own = spent() + limit, sum(os.times()[:2])
+@contextlib.contextmanager
+def time_limit(limit: int) -> Iterator[None]:
+    """TookTooLong where more than limit seconds of processor time are spent; a program may take as many alone. 0: none."""
+    begin, own, hard = spent(), int(sum(os.times()[:2])), resource.getrlimit(resource.RLIMIT_CPU)[1]
 
     def look(*_: Any) -> None:
-        if spent() > end:
+        if spent() > begin + limit:
             raise TookTooLong
 
-    signal.signal(signal.SIGALRM, look)
-    signal.setitimer(signal.ITIMER_REAL, 1, 1)
-    resource.setrlimit(resource.RLIMIT_CPU, (int(own) + limit + 1, resource.getrlimit(resource.RLIMIT_CPU)[1]))
+    if limit:
+        signal.signal(signal.SIGALRM, look)
+        signal.setitimer(signal.ITIMER_REAL, 1, 1)
+        resource.setrlimit(resource.RLIMIT_CPU, (own + limit + 1, hard))
+    try:
+        yield
+        if limit:
+            look()  # a program was ended for it
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        resource.setrlimit(resource.RLIMIT_CPU, (hard, hard))
 
 
 def run_variant(runner: ModuleType, variant: str, cases: List[Dict[str, Any]], limit: int = 0) -> List[Dict[str, Any]]:
@@ -74,16 +84,11 @@ def run_variant(runner: ModuleType, variant: str, cases: List[Dict[str, Any]], l
     for case in cases:
         begin = spent()
         try:
-            if limit:
-                watch(limit)
-            made = judge_case(case, lambda varied: runner.run(varied, variant))
-            if limit and spent() > begin + limit:  # a program was ended for it
-                raise TookTooLong
+            with time_limit(limit):
+                made = judge_case(case, lambda varied: runner.run(varied, variant))
         except TookTooLong:
             made = [{"case": case["name"], "what": ask["what"], "tolerance": ask.get("tolerance"), "verdict": "not done",
                      "why": f"not done in {limit} s of processor time"} for ask in case["asks"]]
-        finally:
-            signal.setitimer(signal.ITIMER_REAL, 0)
         seconds = spent() - begin
         verdicts += made
         told = {f"{one['verdict']:11} {case['name']}{explain(one)}": one for one in made if one["verdict"] != "passed"}

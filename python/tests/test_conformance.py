@@ -231,6 +231,20 @@ def test_a_runner_that_breaks_fails(suite):
     assert "ZeroDivisionError" in verdicts[0]["why"]
 
 
+def test_what_takes_too_long_is_told(suite, tmp_path):
+    class Endless:
+        @staticmethod
+        def run(case, variant):
+            while True:
+                pass
+
+    made = suite.run_variant(Endless, "", [case_called(suite, "pendulum")], limit=1)
+    suite.put_beside(tmp_path / "kept.json", {}, made, ["pendulum"])
+    for verdicts in (made, read_kept(tmp_path / "kept.json")):
+        assert [one["verdict"] for one in verdicts] == ["not done"] * 4
+        assert verdicts[0]["why"] == "not done in 1 s of processor time"
+
+
 def test_right_values_follow_from_their_formulas(tmp_path, monkeypatch):
     """What scripts of make write is what the folder has; those without a solver's long run."""
     pytest.importorskip("scipy", reason="needs scipy")
