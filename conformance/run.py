@@ -68,7 +68,7 @@ def time_limit(limit: int) -> Iterator[None]:
     if limit:
         signal.signal(signal.SIGALRM, look)
         signal.setitimer(signal.ITIMER_REAL, 1, 1)
-        resource.setrlimit(resource.RLIMIT_CPU, (own + limit + 1, hard))
+        resource.setrlimit(resource.RLIMIT_CPU, (own + limit + 5, hard))  # later than the next look
     try:
         yield
         if limit:
