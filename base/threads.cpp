@@ -12,6 +12,7 @@
 
 #include "base/errors.hpp"
 #include "base/region_meter.hpp"
+#include "base/team.hpp"
 
 #ifdef _OPENMP
 #include <omp.h>
@@ -31,6 +32,7 @@ std::atomic<int> requested = 0;  // by use_threads(); 0: nothing
 std::atomic<bool> environment_counts = true;
 thread_local int scoped = 0;  // by the innermost ThreadScope; 0: there is none
 thread_local RegionMeter* meter = nullptr;
+thread_local int team = 1;  // threads_in_team()
 
 // The first number of a text such as "4", " 4 " or "4,2"; empty for other texts.
 std::optional<int> first_number(std::string_view text) {
@@ -55,6 +57,15 @@ std::optional<int> environment_says() {
   return kHasThreads ? threads : 1;
 }
 
+#ifdef _OPENMP
+// A region that needs fewer threads than one before it keeps that one's team, as far as it is still available: g++'s
+// OpenMP ends the threads that a smaller team has too many, and starts others for the next larger one, which takes
+// longer than most regions. A thread without work costs a barrier one arrival more.
+int team_for(int threads) {
+  return team = std::max(threads, std::min(team, available_threads()));
+}
+#endif
+
 // Returns the exception of the lowest t, which does not depend on the order in which threads run.
 std::exception_ptr run(int threads, void (*work)(const void*, int), const void* argument) {
   std::exception_ptr thrown;
@@ -71,7 +82,7 @@ std::exception_ptr run(int threads, void (*work)(const void*, int), const void* 
     }
   };
 #ifdef _OPENMP
-#pragma omp parallel num_threads(threads)
+#pragma omp parallel num_threads(team_for(threads))
   for (int t = omp_get_thread_num(); t < threads; t += omp_get_num_threads()) carry_out(t);
 #else
   for (int t = 0; t < threads; ++t) carry_out(t);
@@ -127,6 +138,10 @@ void detail::run_on_threads(int threads, void (*work)(const void*, int), const v
   const std::exception_ptr thrown =
       meter ? meter->run(threads, work, argument) : run(threads, work, argument);
   if (thrown) std::rethrow_exception(thrown);
+}
+
+int threads_in_team() {
+  return std::min(team, available_threads());
 }
 
 RegionMeter::RegionMeter() : before_(std::exchange(meter, this)) {}

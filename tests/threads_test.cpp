@@ -29,6 +29,7 @@
 extern "C" {
 int omp_get_max_threads() __attribute__((weak));
 void omp_set_num_threads(int threads) __attribute__((weak));
+int omp_get_num_threads() __attribute__((weak));
 }
 
 namespace taut::threads_tests {
@@ -111,6 +112,23 @@ TEST(InParallel, CarriesOutAllWorkWhereItGetsFewerThreads) {
   in_parallel(3, [&](int outer) { in_parallel(5, [&](int inner) { ++done[outer][inner]; }); });
   for (const auto& row : done)
     for (const auto& times : row) EXPECT_EQ(times, 1);
+}
+
+// g++'s OpenMP would end two of the four, and start others.
+TEST(InParallel, KeepsThreadsThatARegionDoesNotNeed) {
+  if (omp_get_num_threads == nullptr) GTEST_SKIP() << "built without OpenMP";
+  static std::atomic<int> threads_met = 0;
+  const auto region = [](int threads) {
+    in_parallel(threads, [](int) {
+      thread_local const int number = ++threads_met;
+      (void)number;
+    });
+  };
+  const ThreadScope scope(4);
+  for (const int threads : {4, 2, 1, 3, 4}) region(threads);
+  EXPECT_EQ(threads_met, 4);
+  const ThreadScope fewer(3);
+  in_parallel(2, [](int) { EXPECT_EQ(omp_get_num_threads(), 3) << "as many as may be used"; });
 }
 
 // Whichever thread is first: again and again, metered and not.
