@@ -95,26 +95,22 @@ struct ForceField::Impl {
     if (!all) check_positions(x);
   }
 
-  // True where pairs are the first term and act on every atom: they overwrite the forces, which need not be
-  // cleared.
-  bool pairs_overwrite() const {
-    const bool on_every_atom = lj_coulomb ? lj_coulomb->on_every_atom() : wca && wca->on_every_atom();
-    return on_every_atom && !tables && bonded.pieces() == 0 && !has_fields();
-  }
-
+  // Pairs that act on every atom overwrite the forces, which need not be cleared; all others add to them.
   void evaluate(const System& sys, const State& s, Vectors& f, Evaluation& besides, const Listen& listen) {
     const Vectors& x = s.x;
     place_atoms(x, s.box, listen);
     f.resize(3, x.cols());
-    if (!pairs_overwrite()) clear(f);
-    add_bonded_and_fields(sys, s, f, besides);
-    hear(listen);
     using enum ClusterPairs::Write;
-    if (lj_coulomb) lj_coulomb->add_forces(f, pairs_overwrite() ? kOverwrite : kAdd);
+    ClusterPairs* const first = lj_coulomb ? &*lj_coulomb : wca ? &*wca : tables ? &*tables : nullptr;
+    const bool overwrite = first != nullptr && first->on_every_atom();
+    if (!overwrite) clear(f);
+    if (first != nullptr) first->add_forces(f, overwrite ? kOverwrite : kAdd);
     hear(listen);
     if (pme) besides.mesh = pme->add_forces(x, f);
-    if (wca) wca->add_forces(f, pairs_overwrite() && !lj_coulomb ? kOverwrite : kAdd);
-    if (tables) tables->add_forces(f);
+    if (wca && &*wca != first) wca->add_forces(f);
+    if (tables && &*tables != first) tables->add_forces(f);
+    hear(listen);
+    add_bonded_and_fields(sys, s, f, besides);
     hear(listen);
   }
 
@@ -134,7 +130,7 @@ struct ForceField::Impl {
   }
 
   void add_bonded_and_fields(const System& sys, const State& s, Vectors& f, Evaluation& besides) {
-    if (bonded.pieces() > 0) {
+    if (bonded.pieces().count() > 0) {
       const PartScope here(StepPart::kBonded);
       besides.bonded = bonded.add_forces(s.x, f);
     }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <string>
 #include <type_traits>
@@ -269,19 +270,75 @@ Sum sum_by_threads(BondedForces forces, const Vectors& x, int threads) {
   return s;
 }
 
+void expect_the_same_on_any_number_of_threads(const BondedForces& forces, const Chains& c) {
+  const Sum one = sum_by_threads(forces, c.x, 1);
+  expect_equal(one, plain_sum(c));
+  for (int threads : {2, 3, 7}) {
+    const Sum more = sum_by_threads(forces, c.x, threads);
+    EXPECT_EQ(more.energy, one.energy);
+    EXPECT_EQ(more.f, one.f);
+  }
+}
+
 TEST(BondedForces, AreTheSameBitsOnAnyNumberOfThreads) {
   const Chains c(200, 9);
   const BondedForces forces(c.terms, c.exceptions);
-  EXPECT_GT(forces.pieces(), 8);
-  on_every_machine([&] {
-    const Sum one = sum_by_threads(forces, c.x, 1);
-    expect_equal(one, plain_sum(c));
-    for (int threads : {2, 3, 7}) {
-      const Sum more = sum_by_threads(forces, c.x, threads);
-      EXPECT_EQ(more.energy, one.energy);
-      EXPECT_EQ(more.f, one.f);
-    }
-  });
+  EXPECT_GT(forces.pieces().count(), 8);
+  EXPECT_EQ(forces.pieces().phases().size(), 1u) << "molecules stay whole";
+  on_every_machine([&] { expect_the_same_on_any_number_of_threads(forces, c); });
+}
+
+TEST(BondedForces, OfOneLargeMoleculeAreSharedOutAmongThreads) {
+  const Chains c(1, 1000);
+  const BondedForces forces(c.terms, c.exceptions);
+  ASSERT_EQ(forces.pieces().phases().size(), 2u);
+  for (const Pieces::Phase& phase : forces.pieces().phases())
+    EXPECT_GT(phase.terms, 7 * 768) << "enough for seven threads";
+  expect_the_same_on_any_number_of_threads(forces, c);
+}
+
+// Sorts bonds, cuts them into pieces of some fifty and looks at each. Returns the number of pieces.
+int expect_pieces_apart(std::vector<HarmonicBond> bonds, std::size_t phases) {
+  std::ranges::stable_sort(bonds, kByLowestAtom);
+  const Pieces pieces({bonds.begin(), bonds.end()}, 50);
+  const std::vector<int> start = pieces.starts_of(bonds);
+  EXPECT_EQ(pieces.phases().size(), phases);
+  std::size_t seen = 0;
+  for (const Pieces::Phase& phase : pieces.phases()) {
+    std::map<int, int> piece_of;
+    for (const int piece : phase.pieces)
+      for (int k = start[piece]; k < start[piece + 1]; ++k, ++seen)
+        for (const int atom : atoms_of(bonds[k]))
+          EXPECT_EQ(piece_of.emplace(atom, piece).first->second, piece) << "atom " << atom;
+  }
+  EXPECT_EQ(seen, bonds.size());
+  return pieces.count();
+}
+
+TEST(Pieces, OfAPhaseShareNoAtomWhateverTheBonds) {
+  std::vector<HarmonicBond> chain, molecules, star, hydrogens_last;
+  for (int a = 0; a < 1000; ++a) chain.push_back({a, a + 1, 0, 0});
+  EXPECT_EQ(expect_pieces_apart(chain, 2), 20);
+  chain.push_back({700, 20, 0, 0});
+  chain.push_back({990, 30, 0, 0});
+  expect_pieces_apart(chain, 3);
+
+  for (int a = 0; a < 1000; ++a)
+    if (a % 10 != 9) molecules.push_back({a, a + 1, 0, 0});
+  EXPECT_EQ(expect_pieces_apart(molecules, 1), 17) << "of 54 bonds: six molecules";
+
+  for (int a = 1; a <= 1000; ++a) star.push_back({0, a, 0, 0});
+  EXPECT_EQ(expect_pieces_apart(star, 1), 1) << "terms of the same lowest atom stay together";
+  star.clear();
+  for (int a = 0; a < 5000; ++a) star.push_back({a, 5000, 0, 0});
+  EXPECT_EQ(expect_pieces_apart(star, 100), 100) << "one after the other";
+
+  for (int a = 0; a < 500; ++a) {
+    hydrogens_last.push_back({a, 1000 + a, 0, 0});
+    if (a < 499) hydrogens_last.push_back({a, a + 1, 0, 0});
+  }
+  EXPECT_EQ(expect_pieces_apart(hydrogens_last, 2), 19);
+  EXPECT_EQ(expect_pieces_apart({}, 0), 0);
 }
 
 TEST(BondedForces, TakeTermsInAnyOrderAndAcrossAllAtoms) {
@@ -289,11 +346,11 @@ TEST(BondedForces, TakeTermsInAnyOrderAndAcrossAllAtoms) {
   std::reverse(c.terms.angles.begin(), c.terms.angles.end());
   std::reverse(c.terms.torsions.begin(), c.terms.torsions.end());
   const BondedForces pieces(c.terms, c.exceptions);
-  EXPECT_GT(pieces.pieces(), 3);
+  EXPECT_GT(pieces.pieces().count(), 3);
   expect_equal(sum_by_threads(pieces, c.x, 3), plain_sum(c));
   c.terms.bonds.push_back({899, 0, 0.15, 1});
   const BondedForces forces(c.terms, c.exceptions);
-  EXPECT_EQ(forces.pieces(), 1);
+  EXPECT_EQ(forces.pieces().phases().size(), 3u) << "one more for the bond that closes a ring";
   expect_equal(sum_by_threads(forces, c.x, 2), plain_sum(c));
 }
 

@@ -240,19 +240,26 @@ TEST(Pme, IsTheSameBitsOnAnyNumberOfThreads) {
   ASSERT_GT(salt.nb.exceptions.size(), 1024u);  // enough for two threads
   const auto once = evaluate({.nonbonded = salt.nb}, salt.x, salt.box);
   EXPECT_GT(once.f.norm(), 0);
-  std::reverse(salt.nb.exceptions.begin(), salt.nb.exceptions.end());  // cannot be cut into pieces
+  std::reverse(salt.nb.exceptions.begin(), salt.nb.exceptions.end());
   const auto whole = evaluate({.nonbonded = salt.nb}, salt.x, salt.box);
   EXPECT_NEAR(once.energy, whole.energy, 1e-12 * std::abs(once.energy));
   EXPECT_LT((once.f - whole.f).norm(), 1e-12 * once.f.norm());
   std::reverse(salt.nb.exceptions.begin(), salt.nb.exceptions.end());
-  for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
-    const auto alone = evaluate({.nonbonded = salt.nb, .precision = precision}, salt.x, salt.box);
-    on_one_to_three_threads([&] {
-      const auto again = evaluate({.nonbonded = salt.nb, .precision = precision}, salt.x, salt.box);
-      EXPECT_EQ(alone.f, again.f);
-      EXPECT_EQ(alone.energy, again.energy);
-    });
-  }
+  auto of_one_molecule = salt.nb;
+  of_one_molecule.exceptions.clear();
+  const int atoms = static_cast<int>(salt.x.cols());
+  for (int i = 0; i < atoms; ++i)
+    for (int j = i + 1; j < std::min(i + 6, atoms); ++j)
+      of_one_molecule.exceptions.push_back({i, j, 0.0, 0.2, 0.0});
+  for (const Precision precision : {Precision::kDouble, Precision::kMixed})
+    for (const Nonbonded& nb : {salt.nb, of_one_molecule}) {
+      const auto alone = evaluate({.nonbonded = nb, .precision = precision}, salt.x, salt.box);
+      on_one_to_three_threads([&] {
+        const auto again = evaluate({.nonbonded = nb, .precision = precision}, salt.x, salt.box);
+        EXPECT_EQ(alone.f, again.f);
+        EXPECT_EQ(alone.energy, again.energy);
+      });
+    }
 }
 
 TEST(PmeParameters, AreThoseOfOpenMM) {

@@ -7,45 +7,12 @@
 #include <numeric>
 
 #include "base/errors.hpp"
-#include "base/threads.hpp"
 
 namespace taut {
 namespace {
 
 constexpr int kTermsPerPiece = 256;   // enough for nearly full vectors
 constexpr int kTermsPerThread = 768;  // fewer are not worth waking a thread for
-
-struct AtomRange {
-  int lowest, highest;
-};
-
-template <class Term>
-AtomRange atom_range(const Term& term) {
-  const auto atoms = atoms_of(term);
-  const auto [low, high] = std::minmax_element(atoms.begin(), atoms.end());
-  return {*low, *high};
-}
-
-constexpr auto kByLowest = [](const auto& a, const auto& b) {
-  return atom_range(a).lowest < atom_range(b).lowest;
-};
-
-// The first atom of each piece: a new piece begins at an atom that no term before it touches, once the piece
-// has enough terms.
-std::vector<int> cut_into_pieces(std::vector<AtomRange> terms) {
-  std::sort(terms.begin(), terms.end(), [](auto a, auto b) { return a.lowest < b.lowest; });
-  std::vector<int> first;
-  int highest = -1, count = kTermsPerPiece;
-  for (const AtomRange& term : terms) {
-    if (count >= kTermsPerPiece && term.lowest > highest) {
-      first.push_back(term.lowest);
-      count = 0;
-    }
-    highest = std::max(highest, term.highest);
-    ++count;
-  }
-  return first;
-}
 
 // Names the bond that is longest for its r₀.
 [[noreturn]] void throw_broken(const std::vector<Fene>& bonds, const Vectors& x) {
@@ -81,39 +48,28 @@ BondedForces::BondedForces(const Terms& terms, const std::vector<PairException>&
 }
 
 void BondedForces::sort_and_cut() {
-  std::vector<AtomRange> all;
+  std::vector<TermAtoms> all;
   const auto collect = [&](auto& kind) {
-    std::stable_sort(kind.terms.begin(), kind.terms.end(), kByLowest);
-    for (const auto& term : kind.terms) all.push_back(atom_range(term));
+    std::stable_sort(kind.terms.begin(), kind.terms.end(), kByLowestAtom);
+    for (const auto& term : kind.terms) all.emplace_back(term);
   };
   std::apply([&](auto&... kind) { (collect(kind), ...); }, kinds_);
-  terms_ = static_cast<int>(all.size());
-  const std::vector<int> first = cut_into_pieces(std::move(all));
-  pieces_ = static_cast<int>(first.size());
+  pieces_ = Pieces(std::move(all), kTermsPerPiece);
   const auto divide = [&](auto& kind) {
-    for (const int atom : first) {
-      const auto at = std::partition_point(kind.terms.begin(), kind.terms.end(),
-                                           [&](const auto& term) { return atom_range(term).lowest < atom; });
-      kind.start.push_back(static_cast<int>(at - kind.terms.begin()));
-    }
-    kind.start.push_back(static_cast<int>(kind.terms.size()));
-    kind.energy.resize(first.size());
+    kind.start = pieces_.starts_of(kind.terms);
+    kind.energy.resize(pieces_.count());
   };
   std::apply([&](auto&... kind) { (divide(kind), ...); }, kinds_);
 }
 
 BondedForces::KindEnergies BondedForces::add_forces(const Vectors& x, Vectors& f) {
-  const int threads = std::clamp(terms_ / kTermsPerThread, 1, available_threads());
-  in_parallel(threads, [&](int t) {
-    const Share share(pieces_, t, threads);
-    const auto add = [&](auto& kind, int piece) {
-      const std::span terms(kind.terms);
-      const int begin = kind.start[piece], count = kind.start[piece + 1] - begin;
-      if (count > 0) kind.energy[piece] = add_term_forces(terms.subspan(begin, count), x, f);
-    };
-    for (int piece = share.begin; piece < share.end; ++piece)
-      std::apply([&](auto&... kind) { (add(kind, piece), ...); }, kinds_);
-  });
+  const auto add = [&](auto& kind, int piece) {
+    const std::span terms(kind.terms);
+    const int begin = kind.start[piece], count = kind.start[piece + 1] - begin;
+    if (count > 0) kind.energy[piece] = add_term_forces(terms.subspan(begin, count), x, f);
+  };
+  pieces_.for_each(kTermsPerThread,
+                   [&](int piece) { std::apply([&](auto&... kind) { (add(kind, piece), ...); }, kinds_); });
   const auto& fene = std::get<Sorted<Fene>>(kinds_);
   if (std::isnan(fene.total())) throw_broken(fene.terms, x);
   return std::apply([](const auto&... kind) { return KindEnergies{kind.total()...}; }, kinds_);

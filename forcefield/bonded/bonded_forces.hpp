@@ -8,13 +8,13 @@
 
 #include "forcefield/bonded/bonded_lanes.hpp"
 #include "forcefield/bonded/cmap.hpp"
+#include "forcefield/bonded/pieces.hpp"
 #include "forcefield/bonded/tabulated.hpp"
 
 namespace taut {
 
 // All forces between atoms that are neighbours along a molecule, exceptions included, computed by threads.
-// Terms are sorted by their atoms and cut into pieces, mostly between molecules, such that no two pieces
-// share an atom. The sums are therefore the same bits on any number of threads.
+// Terms are sorted by their atoms and cut into pieces (pieces.hpp). The sums are the same bits on any number of threads.
 class BondedForces {
  public:
   BondedForces() = default;
@@ -29,7 +29,7 @@ class BondedForces {
   std::vector<std::pair<std::string, double>> by_name(const KindEnergies& energies) const;
   static double exception_energy(const KindEnergies& energies) { return energies.back(); }
 
-  int pieces() const { return pieces_; }
+  const Pieces& pieces() const { return pieces_; }
 
  private:
   template <class Term>
@@ -47,8 +47,7 @@ class BondedForces {
              Sorted<RyckaertBellemans>, Sorted<TurnedTorsion>, Sorted<CmapPair>, Sorted<Fene>,
              Sorted<CosineSquaredAngle>, Sorted<TabulatedBond>, Sorted<TabulatedAngle>, Sorted<PairException>>
       kinds_;
-  int pieces_ = 0;
-  int terms_ = 0;
+  Pieces pieces_;
 };
 
 }  // namespace taut

@@ -8,7 +8,7 @@
 #include <numeric>
 #include <utility>
 
-#include "base/threads.hpp"
+#include "base/shares.hpp"
 #include "forcefield/ewald/fourier.hpp"
 #include "forcefield/ewald/mesh_kernels.hpp"
 #include "md/step_parts.hpp"
@@ -25,8 +25,9 @@ class PmeMesh::Engine {
 
 namespace {
 
-constexpr int kAtomsPerThread = 200;  // fewer are not worth a thread
-constexpr int kStrip = 8;             // rows of a plane whose atoms follow each other
+constexpr int kAtomsPerThread = 200;    // fewer are not worth a thread
+constexpr int kPointsPerThread = 2000;  // the same of the influence function
+constexpr int kStrip = 8;               // rows of a plane whose atoms follow each other
 
 // M_n(k + 1), k = 0 … n − 1 (mesh_kernels.hpp)
 std::array<double, kMostOrder> splines_on_a_point(int order) {
@@ -95,7 +96,7 @@ class MeshIn final : public PmeMesh::Engine {
     const bool skewed = !box_.tilt.isZero(0);
     if (!skewed)
       for (int d = 0; d < 3; ++d) compute_waves_along(d);
-    by_rows(available_threads(),
+    by_rows(threads_for(static_cast<long>(influence_.size()), kPointsPerThread),
             [&](int row, int) { skewed ? compute_skewed_influence(row) : compute_influence(row); });
   }
 
@@ -137,9 +138,7 @@ class MeshIn final : public PmeMesh::Engine {
   }
 
  private:
-  int threads() const {
-    return std::clamp(static_cast<int>(charged_.size()) / kAtomsPerThread, 1, available_threads());
-  }
+  int threads() const { return threads_for(static_cast<long>(charged_.size()), kAtomsPerThread); }
 
   void by_rows(int threads, const auto& work) {
     in_parallel(threads, [&](int t) {
@@ -152,11 +151,12 @@ class MeshIn final : public PmeMesh::Engine {
   void spread_and_transform(const Vectors& x, int threads) {
     const int n = static_cast<int>(charged_.size());
     grid_.make_room(threads);
-    next_.resize(std::size_t(threads) * buckets());
-    in_parallel(threads, [&](int t) { find_and_count(x, Share(n, t, threads), next_of(t)); });
-    sort(threads);
+    count_.resize(std::size_t(threads) * buckets());
+    next_.resize(count_.size());
+    in_parallel(threads, [&](int t) { find_and_count(x, Share(n, t, threads), count_of(t)); });
     in_parallel(threads, [&](int t) {
       const Share share(n, t, threads);
+      find_places(t, threads);
       for (int c = share.begin; c < share.end; ++c) atoms_[next_of(t)[bucket(found_[c])]++] = found_[c];
     });
     in_parallel(threads, [&](int t) { spread(Share(size_[0], t, threads), t); });
@@ -165,6 +165,7 @@ class MeshIn final : public PmeMesh::Engine {
   // Atoms are sorted by plane and, within one, by strip: grid points of consecutive atoms stay in cache.
   int buckets() const { return size_[0] * strips_; }
   int bucket(const MeshAtom<T>& atom) const { return atom.point[0] * strips_ + atom.point[1] / kStrip; }
+  int* count_of(int thread) { return count_.data() + std::ptrdiff_t{thread} * buckets(); }
   int* next_of(int thread) { return next_.data() + std::ptrdiff_t{thread} * buckets(); }
 
   void find_and_count(const Vectors& x, const Share& share, int* count) {
@@ -174,14 +175,17 @@ class MeshIn final : public PmeMesh::Engine {
     for (int c = share.begin; c < share.end; ++c) ++count[bucket(found_[c])];
   }
 
-  // Turns each thread's counts into the index of its first atom in each bucket.
-  void sort(int threads) {
+  // Finds where in atoms_ thread t's first atom of each bucket belongs: after those of the threads before it.
+  void find_places(int t, int threads) {
     int begin = 0;
     for (int b = 0; b < buckets(); ++b) {
-      if (b % strips_ == 0) begin_[b / strips_] = begin;
-      for (int t = 0; t < threads; ++t) begin += std::exchange(next_of(t)[b], begin);
+      if (t == 0 && b % strips_ == 0) begin_[b / strips_] = begin;
+      for (int u = 0; u < threads; ++u) {
+        if (u == t) next_of(t)[b] = begin;
+        begin += count_of(u)[b];
+      }
     }
-    begin_[size_[0]] = begin;
+    if (t == 0) begin_[size_[0]] = begin;
   }
 
   // Spreads all charges to these planes: those of the atoms in planes near enough below, the lowest first. A
@@ -317,7 +321,7 @@ class MeshIn final : public PmeMesh::Engine {
   std::vector<Charged> charged_;
   std::vector<MeshAtom<T>> found_, atoms_;  // as charged_; by plane and strip
   std::vector<int> begin_;                  // of a plane's, in atoms_
-  std::vector<int> next_;                   // of a bucket's, the same, thread by thread
+  std::vector<int> count_, next_;  // of a bucket's: how many, and the next one's place; thread by thread
   std::array<std::vector<double>, 3> moduli_;
   std::array<Axis, 3> axis_;       // of a rectangular box
   std::vector<T> influence_;       // G, row by row k₂, as the transforms come [1/nm]

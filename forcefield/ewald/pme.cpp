@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <numeric>
 
-#include "base/shares.hpp"
 #include "md/step_parts.hpp"
 #include "md/units.hpp"
 
@@ -26,18 +24,10 @@ Pme::Pme(const Nonbonded& nb, Precision precision)
   for (const auto& e : nb.exceptions)
     if (const double qq = nb.charge[e.i] * nb.charge[e.j]; qq != 0)
       excluded_.push_back({e.i, e.j, kCoulomb * qq});
-  cut_excluded();
-}
-
-void Pme::cut_excluded() {
-  const int n = static_cast<int>(excluded_.size());
-  std::vector<int> lowest(n + 1, std::numeric_limits<int>::max());  // of this pair and all after it
-  for (int k = n - 1; k >= 0; --k) lowest[k] = std::min({lowest[k + 1], excluded_[k].i, excluded_[k].j});
-  for (int k = 0, highest = -1; k <= n; ++k) {
-    const bool enough = k == 0 || k == n || k - cuts_.back() >= kPairsOfPiece;
-    if (lowest[k] > highest && enough) cuts_.push_back(k);
-    if (k < n) highest = std::max({highest, excluded_[k].i, excluded_[k].j});
-  }
+  std::ranges::stable_sort(excluded_, kByLowestAtom);
+  cuts_ = Pieces({excluded_.begin(), excluded_.end()}, kPairsOfPiece);
+  start_ = cuts_.starts_of(excluded_);
+  sum_of_.resize(cuts_.count());
 }
 
 void Pme::set_box(const Box& box) {
@@ -65,19 +55,12 @@ Eigen::Matrix3d Pme::virial(const Vectors& x) {
 }
 
 Pme::ExcludedSums Pme::over_excluded(const Vectors& x, const auto& add) {
-  const int pieces = static_cast<int>(cuts_.size()) - 1;
-  pieces_.resize(pieces);
-  const int threads = threads_for(static_cast<int>(excluded_.size()), kPairsOfThread);
-  in_parallel(threads, [&](int t) {
-    const Share share(pieces, t, threads);
-    for (int p = share.begin; p < share.end; ++p) {
-      pieces_[p] = {};
-      for (int first = cuts_[p]; first < cuts_[p + 1]; first += kScreenedPairs)
-        pieces_[p] += over_some(
-            std::span(excluded_).subspan(first, std::min(cuts_[p + 1] - first, kScreenedPairs)), x, add);
-    }
+  cuts_.for_each(kPairsOfThread, [&](int piece) {
+    ExcludedSums& sum = sum_of_[piece] = {};
+    for (int first = start_[piece], end = start_[piece + 1]; first < end; first += kScreenedPairs)
+      sum += over_some(std::span(excluded_).subspan(first, std::min(end - first, kScreenedPairs)), x, add);
   });
-  return std::accumulate(pieces_.begin(), pieces_.end(), ExcludedSums());
+  return std::accumulate(sum_of_.begin(), sum_of_.end(), ExcludedSums());
 }
 
 Pme::ExcludedSums Pme::over_some(std::span<const Excluded> excluded, const Vectors& x,

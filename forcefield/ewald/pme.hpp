@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "forcefield/bonded/pieces.hpp"
 #include "forcefield/ewald/mesh.hpp"
 #include "forcefield/ewald/screening.hpp"
 #include "forcefield/terms.hpp"
@@ -50,7 +51,6 @@ class Pme {
     double energy, force;  // as those of ScreenedPairs
   };
 
-  void cut_excluded();
   // add(sums, excluded, screened) for every pair, at x.
   ExcludedSums over_excluded(const Vectors& x, const auto& add);
   ExcludedSums over_some(std::span<const Excluded> excluded, const Vectors& x, const auto& add) const;
@@ -60,8 +60,9 @@ class Pme {
   double total_;  // Q [e]
   double constant_, background_ = 0;
   std::vector<Excluded> excluded_;
-  std::vector<int> cuts_;  // between pieces of excluded_ that share no atom
-  std::vector<ExcludedSums> pieces_;
+  Pieces cuts_;
+  std::vector<int> start_;  // of its pieces in excluded_
+  std::vector<ExcludedSums> sum_of_;
   PmeMesh mesh_;
 };
 
