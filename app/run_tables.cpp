@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "base/team.hpp"
 #include "base/usable_cores.hpp"
 #include "base/words.hpp"
 #include "printing.hpp"
@@ -44,19 +45,21 @@ std::string barostat_line(const RunSettings& run) {
 }
 
 // Says the precision and the number of threads, with the options that change them. Precision concerns forces
-// between pairs alone.
+// between pairs alone. The forces of the start have shown how many threads have work.
 std::string speed_line(const Simulation& simulation) {
   const Terms& terms = simulation.scene().terms;
   const bool mixed = terms.precision == Precision::kMixed;
-  const int threads = simulation.threads(), cores = usable_cores();
-  return fmt::format(
-      "{}{} of {}{}",
-      terms.nonbonded || terms.wca || terms.tabulated_pairs
-          ? fmt::format("{} precision (change with --precision {}), ", mixed ? "mixed" : "double",
-                        mixed ? "double" : "mixed")
-          : "",
-      counted(threads, "thread"), counted(cores, "core"),
-      cores > 1 ? fmt::format(" (change with --threads {})", threads < cores ? cores : 1) : "");
+  const int threads = simulation.threads(), cores = usable_cores(),
+            busy = std::min(threads, threads_in_team());
+  const int other = busy < threads ? busy : threads < cores ? cores : 1;
+  return fmt::format("{}{} of {}{}{}",
+                     terms.nonbonded || terms.wca || terms.tabulated_pairs
+                         ? fmt::format("{} precision (change with --precision {}), ",
+                                       mixed ? "mixed" : "double", mixed ? "double" : "mixed")
+                         : "",
+                     counted(threads, "thread"), counted(cores, "core"),
+                     busy < threads ? fmt::format(", of which so few atoms keep {} busy", busy) : "",
+                     cores > 1 && other != threads ? fmt::format(" (change with --threads {})", other) : "");
 }
 
 // The error is left out where there are too few rows for one.

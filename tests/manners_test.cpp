@@ -9,6 +9,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "base/threads.hpp"
 #include "base/usable_cores.hpp"
 #include "taut_command.hpp"
 #include "temporary_folder.hpp"
@@ -209,6 +210,15 @@ TEST(Manners, RunsTakeTheCoresThatTheyGainFrom) {
   EXPECT_THAT(taut(large + " --threads auto", "OMP_NUM_THREADS=1").text, HasSubstr(two));
   EXPECT_THAT(taut("run water --steps 0 --threads auto", "OMP_NUM_THREADS=3").text,
               HasSubstr("1 thread of "));
+}
+
+TEST(Manners, RunsSayHowManyThreadsHaveWork) {
+  if (!has_threads()) GTEST_SKIP() << "built without OpenMP";
+  EXPECT_THAT(said("run pair --steps 0 --threads 16"), HasSubstr("16 threads of "));
+  EXPECT_THAT(said("run pair --steps 0 --threads 16"), HasSubstr(", of which so few atoms keep 1 busy"));
+  EXPECT_THAT(said("run water --set forcefield.coulomb=pme --steps 0 --threads 16"),
+              HasSubstr(", of which so few atoms keep 3 busy"));
+  EXPECT_THAT(said("run water --set build.molecules=700 --steps 0 --threads 2"), Not(HasSubstr("busy")));
 }
 
 // How many threads compute unless a run says so itself: the first number of OMP_NUM_THREADS, and what is none
