@@ -1,5 +1,7 @@
 // The fast forms, in lanes and by threads, against the plain ones.
 
+#include <atomic>
+
 #include "against_plain.hpp"
 #include "base/threads.hpp"
 #include "constraints/batch/batched_baumgarte.hpp"
@@ -282,6 +284,21 @@ TEST(BondClusters, MoleculesNumberedAlikeFormOneBatch) {
   EXPECT_EQ(found.batches[0].shape.bond_count(), 3);
   EXPECT_TRUE(found.rest.empty());
   EXPECT_EQ(find_clusters(tests::free_chain(11, 1).system, {.most_bonds = 9}).rest.size(), 10u);
+}
+
+// A hundred groups of dumbbells, each of which takes 7/3 of the time of one of waters, and a hundred of waters.
+TEST(LaneRunner, SharesOutTimeRatherThanBonds) {
+  LaneRunner runner;
+  for (const Start& start : {together(chains(800, 2, 3)), tests::waters(800, 1, 300)})
+    runner.add(LaneBatch(find_clusters(start.system).batches[0]));
+  const ThreadScope two(2);
+  std::atomic<int> of_first_thread = 0;
+  const SolveStats stats = runner.run([&](int batch, int begin, int end, const Scratch&) {
+    if (batch == 0 && begin == 0) of_first_thread = end;
+    return SolveStats{};
+  });
+  EXPECT_TRUE(stats.held());
+  EXPECT_EQ(of_first_thread, 71) << "by bonds alone it had all dumbbells";
 }
 
 TEST(Elimination, ChainsGoFromBothEndsWithoutFill) {

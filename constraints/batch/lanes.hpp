@@ -125,8 +125,8 @@ class LaneRunner {
   // bond, and the most iterations.
   template <class Work>
   SolveStats run(const Work& work) {
-    const int threads = static_cast<int>(
-        std::clamp(work_before_.back() / kBondsOfThread, 1L, static_cast<long>(available_threads())));
+    const int threads =
+        static_cast<int>(std::clamp(bonds_ / kBondsOfThread, 1L, static_cast<long>(available_threads())));
     reserve(threads);
     in_parallel(threads, [&](int t) {
       SolveStats stats;
@@ -150,9 +150,10 @@ class LaneRunner {
   int share(int t, int threads) const;  // first group of thread t
   void reserve(int threads);
 
-  // Prefix sums over the batches: numbers of groups, and of lanes × bonds.
+  // Prefix sums over the batches: numbers of groups, and their work. lanes × bonds in all.
   std::vector<int> first_group_ = {0};
   std::vector<long> work_before_ = {0};
+  long bonds_ = 0;
   int scratch_rows_ = 0;
   std::vector<Aligned<double>> scratch_;  // one per thread
   std::vector<SolveStats> stats_;
