@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/exceeds.hpp"
+#include "base/shares.hpp"
 #include "md/units.hpp"
 
 namespace taut {
@@ -18,11 +21,27 @@ Vec3 momentum(const System& sys, const Vectors& v) {
 }
 
 void remove_momentum(const System& sys, Vectors& v) {
-  const double total = sys.mass.sum();
-  if (total == 0) return;
-  const Vec3 drift = momentum(sys, v) / total;
-  for (int i = 0; i < sys.atoms(); ++i)
-    if (sys.mass[i] > 0) v.col(i) -= drift;
+  struct Sums {
+    Vec3 momentum;
+    double mass;
+  };
+  constexpr int kMostThreads = 64;
+  std::array<Sums, kMostThreads> of_thread;
+  const int atoms = sys.atoms(), threads = std::min(threads_for(atoms, kAtomsOfShortWork), kMostThreads);
+  in_parallel(threads, [&](int t) {
+    const Share share(atoms, t, threads);
+    const int count = share.end - share.begin;
+    const auto mass = sys.mass.segment(share.begin, count);
+    of_thread[t] = {v.middleCols(share.begin, count) * mass, mass.sum()};
+  });
+  Sums sum = of_thread[0];
+  for (int t = 1; t < threads; ++t) sum.momentum += of_thread[t].momentum, sum.mass += of_thread[t].mass;
+  if (sum.mass == 0) return;
+  const Vec3 drift = sum.momentum / sum.mass;
+  by_atoms(atoms, [&](int first, int last) {
+    for (int i = first; i < last; ++i)
+      if (sys.mass[i] > 0) v.col(i) -= drift;
+  });
 }
 
 DegreesOfFreedom degrees_of_freedom(const System& sys, int rank, int fixed) {

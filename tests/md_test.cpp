@@ -4,6 +4,7 @@
 #include "base/errors.hpp"
 #include "base/nearest_name.hpp"
 #include "base/random.hpp"
+#include "base/threads.hpp"
 #include "error_message.hpp"
 #include "md/diagnosis.hpp"
 #include "md/observables.hpp"
@@ -228,6 +229,14 @@ TEST(Observables, MomentumIsRemovedFromWhatCanMove) {
   remove_momentum(sys, v);
   EXPECT_LT(momentum(sys, v).norm(), 1e-14);
   EXPECT_EQ(v.col(0), Vec3::Zero());
+
+  const ThreadScope three(3);
+  const System large = make_system(Eigen::VectorXd::LinSpaced(1800, 0, 5), {});
+  Vectors u = Vectors::Random(3, 1800);
+  u.col(0).setZero();
+  remove_momentum(large, u);
+  EXPECT_LT(momentum(large, u).norm(), 1e-11) << "on three threads";
+  EXPECT_EQ(u.col(0), Vec3::Zero());
 }
 
 // ½ Σ m v², and 2E = dof·kT.
