@@ -13,7 +13,7 @@
 namespace taut {
 namespace {
 
-// Each molecule moved as a whole, so that its centre is in the box.
+// Each molecule moved as a whole, so that its centre is in the box; of one that goes around the box each atom.
 Vectors brought_into_box(const Scene& scene, const Box& box, Vectors x) {
   if (!box.periodic()) return x;
   const std::vector<int> molecule = molecules(scene.system, scene.terms);
@@ -25,7 +25,8 @@ Vectors brought_into_box(const Scene& scene, const Box& box, Vectors x) {
     atoms[molecule[a]] += 1;
   }
   for (Eigen::Index a = 0; a < x.cols(); ++a) {
-    const Vec3 middle = centre.col(molecule[a]) / atoms[molecule[a]];
+    const bool alone = scene.system.reach_of(static_cast<int>(a)) != Reach::kWhole;
+    const Vec3 middle = alone ? Vec3(x.col(a)) : Vec3(centre.col(molecule[a]) / atoms[molecule[a]]);
     x.col(a) -= box.lattice_vector(box.cell_of(middle, std::floor));
   }
   return x;
@@ -50,9 +51,10 @@ std::string rows_of(const Scene& scene, const char* which, const Box& box, const
   std::string rows;
   std::vector<BondedPair> bonds = further_bonds(scene.system, scene.terms);
   for (const RigidBond& bond : scene.system.bonds) bonds.push_back({bond.i, bond.j});
-  for (const auto& [i, j] : bonds)
-    rows +=
-        fmt::format("{},bond,{:.4f},{:.4f},{:.4f},{:.4f},,\n", frame, x(0, i), x(up, i), x(0, j), x(up, j));
+  for (const auto& [i, j] : bonds) {
+    const Vec3 to = x.col(i) + scene.system.apart(box, i, j, x);
+    rows += fmt::format("{},bond,{:.4f},{:.4f},{:.4f},{:.4f},,\n", frame, x(0, i), x(up, i), to[0], to[up]);
+  }
   std::vector<Eigen::Index> order(static_cast<std::size_t>(x.cols()));
   std::iota(order.begin(), order.end(), 0);
   std::ranges::stable_sort(order, {}, [&](Eigen::Index a) { return (up == 1 ? 1 : -1) * x(depth, a); });

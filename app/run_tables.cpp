@@ -34,13 +34,17 @@ std::string thermostat_line(const RunSettings& run) {
   return "";
 }
 
-std::string barostat_line(const RunSettings& run) {
+std::string barostat_line(const Scene& scene) {
+  const RunSettings& run = scene.run;
+  const char* by_clusters = scene.system.reach.empty() ? ""
+                                                       : "; of what goes around the box each atom moves with "
+                                                         "it, or each cluster of rigid bonds by its centre";
   if (run.barostat == "c-rescale")
-    return fmt::format(", the box rescaled to {:g} bar within {:g} ps, {}", run.pressure_bar, run.barostat_ps,
-                       run.coupling);
+    return fmt::format(", the box rescaled to {:g} bar within {:g} ps, {}{}", run.pressure_bar,
+                       run.barostat_ps, run.coupling, by_clusters);
   if (run.barostat == "monte-carlo")
-    return fmt::format(", the box by Monte Carlo at {:g} bar, every {} steps", run.pressure_bar,
-                       run.barostat_every);
+    return fmt::format(", the box by Monte Carlo at {:g} bar, every {} steps{}", run.pressure_bar,
+                       run.barostat_every, by_clusters);
   return "";
 }
 
@@ -132,7 +136,7 @@ std::string start_line(const Scene& scene) {
   const RunSettings& run = scene.run;
   return fmt::format("{} of {:g} fs = {:.6g} ps, seed {}, velocities {}{}{}", counted(run.steps, "step"),
                      run.dt_fs, static_cast<double>(run.steps) * run.h(), run.seed,
-                     describe_velocities(scene), thermostat_line(run), barostat_line(run));
+                     describe_velocities(scene), thermostat_line(run), barostat_line(scene));
 }
 
 void print_header(const Simulation& simulation) {

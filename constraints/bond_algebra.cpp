@@ -2,6 +2,11 @@
 
 namespace taut {
 
+void bond_vectors(const System& sys, const Vectors& x, Vectors& r) {
+  if (!sys.images.periodic()) return differences(sys, x, r);
+  for (int k = 0; k < r.cols(); ++k) r.col(k) = sys.along(sys.bond(k), x);
+}
+
 void differences(const System& sys, const Vectors& x, Vectors& r) {
   for (int k = 0; k < r.cols(); ++k) r.col(k) = x.col(sys.bond(k).j) - x.col(sys.bond(k).i);
 }

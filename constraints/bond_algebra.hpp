@@ -20,7 +20,10 @@ inline double one_sided(int side, double lambda) {
   return side == 0 || side * lambda > 0 ? lambda : 0;
 }
 
-// r_k = x_j − x_i; also v_ij from v
+// r_k = x_j − x_i, where a cluster meets its own image, of nearest images
+void bond_vectors(const System& sys, const Vectors& x, Vectors& r);
+
+// v_ij from v
 void differences(const System& sys, const Vectors& x, Vectors& r);
 
 // f += Jᵀλ, with r the bond vectors of J

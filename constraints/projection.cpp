@@ -27,7 +27,7 @@ void Projector::positions(const System& sys, Vectors& x) {
   double before = std::numeric_limits<double>::infinity();
   Residual residual;
   for (int n = 0; n < kMaxIterations; ++n) {
-    differences(sys, x, r_);
+    bond_vectors(sys, x, r_);
     residual = {};
     for (int k = 0; k < sys.bond_count(); ++k) {
       const double d = sys.bonds[k].length;
@@ -51,7 +51,7 @@ void Projector::positions(const System& sys, Vectors& x) {
 }
 
 void Projector::velocities(const System& sys, const Vectors& x, Vectors& v) {
-  differences(sys, x, r_);
+  bond_vectors(sys, x, r_);
   solver_.factor(r_);
   for (int refine = 0; refine < 2; ++refine) {
     differences(sys, v, v_ij_);
@@ -62,7 +62,7 @@ void Projector::velocities(const System& sys, const Vectors& x, Vectors& v) {
 }
 
 const Eigen::VectorXd& Projector::multipliers(const System& sys, const State& s) {
-  differences(sys, s.x, r_);
+  bond_vectors(sys, s.x, r_);
   differences(sys, s.v, v_ij_);
   solver_.factor(r_);
   for (int k = 0; k < sys.bond_count(); ++k) {

@@ -22,7 +22,7 @@ constexpr double kParallel = 1e-6;  // a dependent row of J keeps at most this f
 // Returns the bonds that depend on others at x, in the direct solver's order of elimination.
 std::vector<int> dependent_at(const System& sys, const Vectors& x) {
   Vectors r(3, sys.bond_count());
-  differences(sys, x, r);
+  bond_vectors(sys, x, r);
   DirectSolver solver(sys);
   solver.factor(r, kNoPivot);
   return solver.dependent_bonds();
@@ -50,7 +50,7 @@ std::vector<int> follow_from_those_before(const System& sys, const std::vector<i
   for (int k : bonds) {
     const auto& [i, j, d] = sys.bonds[k];
     Eigen::VectorXd row = Eigen::VectorXd::Zero(width);
-    const Vec3 along = (x.col(j) - x.col(i)).normalized();
+    const Vec3 along = sys.along(sys.bonds[k], x).normalized();
     if (sys.mass[i] > 0) row.segment<3>(place[i]) = -along;
     if (sys.mass[j] > 0) row.segment<3>(place[j]) = along;
     for (int pass = 0; pass < 2; ++pass)
@@ -71,7 +71,7 @@ Eigen::MatrixXd length_rows(const System& sys, const std::vector<int>& bonds, co
   Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(std::ssize(bonds), dims * std::ssize(place));
   for (Eigen::Index b = 0; b < rows.rows(); ++b) {
     const auto& [i, j, d] = sys.bonds[bonds[b]];
-    const Eigen::RowVectorXd along = (x.col(j) - x.col(i)).normalized().transpose() * span;
+    const Eigen::RowVectorXd along = sys.along(sys.bonds[bonds[b]], x).normalized().transpose() * span;
     if (sys.mass[i] > 0) rows.block(b, dims * place.at(i), 1, dims) = -along;
     if (sys.mass[j] > 0) rows.block(b, dims * place.at(j), 1, dims) = along;
   }
@@ -128,9 +128,7 @@ bool follows_along_motion(const System& sys, const std::vector<int>& circuit, in
   const auto move = [&](const Eigen::VectorXd& by, Vectors& moved) {
     for (const auto& [a, at] : atoms.place) moved.col(a) += span * by.segment(span.cols() * at, span.cols());
   };
-  const auto length = [&](int bond, const Vectors& at) {
-    return (at.col(sys.bonds[bond].j) - at.col(sys.bonds[bond].i)).norm();
-  };
+  const auto length = [&](int bond, const Vectors& at) { return sys.along(sys.bonds[bond], at).norm(); };
   const double d = length(k, x);
   Random random(1);
   Eigen::VectorXd motion(span.cols() * std::ssize(atoms.place));
@@ -250,7 +248,7 @@ Eigen::VectorXd least_norm_multipliers(const System& full, const Vectors& x, con
         Eigen::MatrixXd::Zero(3 * static_cast<int>(row.size()), static_cast<int>(bonds.size()));
     for (int c = 0; c < J_t.cols(); ++c) {
       const auto& [i, j, d] = full.bonds[bonds[c]];
-      const Vec3 r = x.col(j) - x.col(i);
+      const Vec3 r = full.along(full.bonds[bonds[c]], x);
       J_t.block<3, 1>(row[i], c) = -r;
       J_t.block<3, 1>(row[j], c) = r;
     }

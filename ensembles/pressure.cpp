@@ -11,7 +11,7 @@ Eigen::Matrix3d Barometer::pressure(const System& sys, ForceField& forces, const
   const Eigen::VectorXd& lambda = springs_ ? spring_lambda : projector_.multipliers(sys, at);
   Eigen::Matrix3d sum = forces.virial(at, besides) + v * sys.mass.asDiagonal() * v.transpose();
   for (int k = 0; k < sys.bond_count(); ++k) {
-    const Vec3 r = x.col(sys.bonds[k].j) - x.col(sys.bonds[k].i);
+    const Vec3 r = sys.along(sys.bonds[k], x);
     sum += lambda[k] * r * r.transpose();
   }
   return kBarPerUnit / at.box.volume() * sum;

@@ -221,6 +221,11 @@ std::string flaw_of_groups(const Bias& bias, const System& sys) {
         return fmt::format("group {}: there is no atom {}, only 0 to {}", g, a, sys.atoms() - 1);
       if (!named.insert(a).second) return fmt::format("group {} names atom {} twice", g, a);
       moves = moves || !sys.is_anchor(a);
+      if (atoms.size() > 1 && sys.reach_of(a) != Reach::kWhole)
+        return fmt::format(
+            "group {} has atom {}, whose molecule is bonded around the box to its own image and has no "
+            "centre: name one atom of it",
+            g, a);
     }
     if (!seen.insert(named).second) return fmt::format("group {} has the atoms of an earlier one", g);
   }

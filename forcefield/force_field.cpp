@@ -7,6 +7,7 @@
 #include "base/errors.hpp"
 #include "base/shares.hpp"
 #include "forcefield/bonded/bonded_forces.hpp"
+#include "forcefield/bonded/through_box.hpp"
 #include "forcefield/check_positions.hpp"
 #include "forcefield/check_terms.hpp"
 #include "forcefield/ewald/parameters.hpp"
@@ -45,6 +46,7 @@ struct ForceField::Impl {
   std::optional<ClusterPairs> lj_coulomb, wca, tables;
   std::optional<Pme> pme;
   BondedForces bonded;
+  BondedThroughBox through_box;
   std::optional<double> dispersion;  // times the volume [kJ/mol·nm³]
   double dispersion_virial = 0;      // a third of it, times the volume
   Box box;                           // what the mesh is made for
@@ -54,19 +56,31 @@ struct ForceField::Impl {
   Impl(const System& sys, const Box& start, Terms given)
       : terms(std::move(given)), box(start), frozen(sys, terms) {
     check_terms(sys, box, terms);
+    for (const auto& field : terms.own)
+      if (!sys.reach.empty() && field->kind() == OwnField::Kind::kWithinMolecules)
+        throw InputError(fmt::format(
+            "{}: acts within whole molecules, and a molecule is bonded around the box to its own image; "
+            "leave it out",
+            field->name()));
     std::vector<PairException> exceptions;
     if (terms.nonbonded) {
       if (auto& parameters = terms.nonbonded->pme) {
         *parameters = chosen_parameters(*parameters, box, *terms.nonbonded->cutoff);
         if (!terms.nonbonded->charge.isZero(0)) {
-          pme.emplace(*terms.nonbonded, terms.precision);
+          pme.emplace(*terms.nonbonded, terms.precision, sys.reach);
           pme->set_box(box);
         }
       }
       lj_coulomb.emplace(*terms.nonbonded, box.periodic(), terms.precision);
       exceptions = interacting(terms.nonbonded->exceptions);
     }
-    bonded = BondedForces(terms, exceptions);
+    if (sys.reach.empty()) {
+      bonded = BondedForces(terms, exceptions);
+    } else {
+      Terms within = terms;
+      through_box = BondedThroughBox(sys, within, exceptions);
+      bonded = BondedForces(within, exceptions);
+    }
     if (terms.nonbonded && terms.nonbonded->dispersion_correction) {
       dispersion = dispersion_coefficient(*terms.nonbonded);
       dispersion_virial = dispersion_virial_coefficient(*terms.nonbonded);
@@ -134,6 +148,12 @@ struct ForceField::Impl {
       const PartScope here(StepPart::kBonded);
       besides.bonded = bonded.add_forces(s.x, f);
     }
+    if (through_box.pieces() > 0) {
+      const PartScope here(StepPart::kBonded);
+      const BondedForces::KindEnergies more = through_box.add_forces(s.box, s.x, f);
+      if (bonded.pieces().count() == 0) besides.bonded = {};
+      for (std::size_t k = 0; k < more.size(); ++k) besides.bonded[k] += more[k];
+    }
     add_fields(sys, s, f, besides);
   }
 
@@ -177,7 +197,9 @@ struct ForceField::Impl {
   }
 
   Energies energies(const Evaluation& besides) {
-    Energies all = bonded.by_name(besides.bonded);
+    BondedForces::KindCounts counts = bonded.counts();
+    for (std::size_t k = 0; k < counts.size(); ++k) counts[k] += through_box.counts()[k];
+    Energies all = BondedForces::by_name(besides.bonded, counts);
     if (lj_coulomb)
       all.emplace_back("lj_coulomb",
                        lj_coulomb->energy() + BondedForces::exception_energy(besides.bonded) + besides.mesh);
@@ -238,10 +260,11 @@ Eigen::Matrix3d ForceField::virial(const State& at, const Evaluation& besides) {
   impl_->place_atoms(x, at.box);
   Vectors& f = impl_->bonded_forces;
   f.setZero(3, x.cols());
-  impl_->bonded.add_forces(x, f);
+  if (impl_->bonded.pieces().count() > 0) impl_->bonded.add_forces(x, f);
   for (const auto& field : impl_->terms.own)
     if (field->kind() == OwnField::Kind::kWithinMolecules) field->add(x, f);
   Eigen::Matrix3d sum = x.lazyProduct(f.transpose());  // which allocates nothing
+  if (impl_->through_box.pieces() > 0) sum += impl_->through_box.virial(at.box, x);
   if (impl_->lj_coulomb) sum += impl_->lj_coulomb->virial();
   if (impl_->pme) sum += impl_->pme->virial(x);
   if (impl_->wca) sum += impl_->wca->virial();

@@ -37,6 +37,14 @@ void change_atoms(Term& term, const auto& change) {
   if constexpr (HasFourthAtom<Term>) change(term.l);
 }
 
+inline std::array<int, 8> atoms_of(const CmapTorsion& t) {
+  return {t.phi[0], t.phi[1], t.phi[2], t.phi[3], t.psi[0], t.psi[1], t.psi[2], t.psi[3]};
+}
+void change_atoms(CmapTorsion& term, const auto& change) {
+  for (int& atom : term.phi) change(atom);
+  for (int& atom : term.psi) change(atom);
+}
+
 // Calls use(&Terms::list) for each list of terms with two to four atoms.
 void for_each_list(const auto& use) {
   const auto each = [&](auto... list) { (use(list), ...); };

@@ -51,7 +51,7 @@ Diagnosis diagnose(const System& sys, const State& s, const SolveStats& stats, l
   if (stats.worst_bond >= 0) {
     d.bond = stats.worst_bond;
     d.held = sys.bond(d.bond);
-    d.length = (s.x.col(d.held.j) - s.x.col(d.held.i)).norm();
+    d.length = sys.along(d.held, s.x).norm();
   }
   Eigen::Index atom = 0;
   if (s.f.cols() > 0) d.largest_force = std::sqrt(s.f.colwise().squaredNorm().maxCoeff(&atom));

@@ -61,7 +61,7 @@ BondErrors bond_errors(const System& sys, const Vectors& x) {
   double sum = 0;
   for (int k = 0; k < sys.all_bonds(); ++k) {
     const auto& [i, j, d] = sys.bond(k);
-    const double off = (x.col(j) - x.col(i)).norm() - d;
+    const double off = sys.along(sys.bond(k), x).norm() - d;
     if (sys.side(k) * off > 0) continue;  // slack
     const double error = std::abs(off) / d;
     if (k < sys.bond_count()) sum += error * error;

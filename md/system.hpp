@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "base/vectors.hpp"
+#include "md/box.hpp"
 #include "md/virtual_sites.hpp"
 
 namespace taut {
@@ -24,14 +25,35 @@ struct OneSidedBond : RigidBond {
   Side side;
 };
 
+// How far the molecule of an atom reaches through the periodic box. A cluster is what rigid bonds and virtual sites
+// tie together.
+enum class Reach : std::int8_t {
+  kWhole,     // its atoms are beside each other, as bonds have them
+  kMolecule,  // it is bonded to its own image: what acts between its clusters is of nearest images
+  kCluster    // so is the atom's cluster: its rigid bonds are of nearest images, too
+};
+
 // What does not change during a run. make_system builds it.
 struct System {
   Eigen::VectorXd mass;          // [u], n; 0 for an anchored atom, and for a virtual site
   Eigen::VectorXd inv_mass;      // [1/u], n; 0 likewise
   std::vector<RigidBond> bonds;  // m
   std::vector<OneSidedBond> one_sided;
-  VirtualSites sites;  // in the order of their atoms
+  VirtualSites sites;        // in the order of their atoms
+  std::vector<Reach> reach;  // of each atom; empty: all are whole
+  Box images;                // of rigid bonds, where a cluster meets its own image; it keeps its size
 
+  Reach reach_of(int a) const { return reach.empty() ? Reach::kWhole : reach[a]; }
+  // x_j − x_i
+  Vec3 along(const RigidBond& bond, const Vectors& x) const {
+    const Vec3 r = x.col(bond.j) - x.col(bond.i);
+    return images.periodic() && reach[bond.i] == Reach::kCluster ? images.nearest_image(r) : r;
+  }
+  // x_j − x_i of neighbours in a molecule
+  Vec3 apart(const Box& box, int i, int j, const Vectors& x) const {
+    const Vec3 r = x.col(j) - x.col(i);
+    return reach_of(i) == Reach::kWhole ? r : box.nearest_image(r);
+  }
   int atoms() const { return static_cast<int>(mass.size()); }
   int bond_count() const { return static_cast<int>(bonds.size()); }
   // All bonds are numbered together: first the bonds, then the one-sided bonds.

@@ -33,7 +33,7 @@ std::vector<std::string> lengths_off(double by, fmt::format_string<int, int, int
   std::vector<std::string> lines;
   for (const int k : left_out) {
     const auto& [i, j, d] = full.bonds[k];
-    const double r = (x.col(j) - x.col(i)).norm();
+    const double r = full.along(full.bonds[k], x).norm();
     if (std::abs(r - d) > by * d)
       lines.push_back(fmt::format(format, int(k), int(i), int(j), double(d), double(r)));
   }

@@ -126,10 +126,11 @@ Temperatures::Sample Temperatures::sample(const System& sys, const Vectors& x, c
     if (moves_as_a_body) {
       const Body body(sys, molecule.atoms, x, v);
       translation = 0.5 * body.momentum.squaredNorm() / body.mass;
-      body.visit_axes([&](double moment, double spin) {
-        rotation += 0.5 * spin * spin / moment;
-        ++turns;
-      });
+      if (sys.reach_of(molecule.atoms[0]) == Reach::kWhole)  // else it does not turn
+        body.visit_axes([&](double moment, double spin) {
+          rotation += 0.5 * spin * spin / moment;
+          ++turns;
+        });
       of_translation += fixed_.of_mass(body.mass, body.centre);
       of_rotation += fixed_.of_turning(body.inertia);
     } else {

@@ -26,7 +26,7 @@ void Simulation::take_back() {
 
 void Simulation::take_back(Diagnosis& of) {
   take_back();
-  if (of.bond >= 0) of.length_before = (state_.x.col(of.held.j) - state_.x.col(of.held.i)).norm();
+  if (of.bond >= 0) of.length_before = scene_.system.along(of.held, state_.x).norm();
 }
 
 void Simulation::set_out_anew(const Vectors& x, const Vectors& v, const MinimiseGoal& goal,

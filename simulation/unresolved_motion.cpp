@@ -22,7 +22,8 @@ struct Spring {
 
 class Springs {
  public:
-  Springs(const System& sys, const Vectors& x, bool bonds_are_springs) : sys_(sys), x_(x) {
+  Springs(const System& sys, const Box& box, const Vectors& x, bool bonds_are_springs)
+      : sys_(sys), box_(box), x_(x) {
     if (bonds_are_springs) return;
     for (const RigidBond& bond : sys.bonds) rigid_.insert(std::minmax(bond.i, bond.j));
   }
@@ -54,7 +55,7 @@ class Springs {
   }
 
   Spring of(const HarmonicAngle& angle) const {
-    const Vec3 u = x_.col(angle.i) - x_.col(angle.j), w = x_.col(angle.k) - x_.col(angle.j);
+    const Vec3 u = sys_.apart(box_, angle.j, angle.i, x_), w = sys_.apart(box_, angle.j, angle.k, x_);
     const Vec3 e = u.normalized(), f = w.normalized();
     const double cosine = e.dot(f), sine = e.cross(f).norm();
     Eigen::VectorXd gradient = Eigen::VectorXd::Zero(9);
@@ -69,13 +70,14 @@ class Springs {
  private:
   Eigen::VectorXd of_length(const std::vector<int>& atoms, int a, int b) const {
     Eigen::VectorXd gradient = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(atoms.size()));
-    const Vec3 e = (x_.col(atoms[b]) - x_.col(atoms[a])).normalized();
+    const Vec3 e = sys_.apart(box_, atoms[a], atoms[b], x_).normalized();
     gradient.segment<3>(3 * a) = -e;
     gradient.segment<3>(3 * b) = e;
     return gradient;
   }
 
   const System& sys_;
+  const Box& box_;
   const Vectors& x_;
   std::set<std::pair<int, int>> rigid_;
 };
@@ -83,7 +85,7 @@ class Springs {
 }  // namespace
 
 std::string unresolved_motion(const Scene& scene, const Vectors& x, bool bonds_are_springs) {
-  const Springs springs(scene.system, x, bonds_are_springs);
+  const Springs springs(scene.system, scene.start.box, x, bonds_are_springs);
   double fastest = 0;
   Spring which;
   const auto see = [&](const auto& terms) {

@@ -26,7 +26,7 @@ Errors errors_of(const System& sys, const Vectors& x) {
   Errors e(sys.bond_count());
   for (int k = 0; k < sys.bond_count(); ++k) {
     const auto& [i, j, d] = sys.bonds[k];
-    e[k] = sigma(x.col(j) - x.col(i), d) / (d * d);
+    e[k] = sigma(sys.along(sys.bonds[k], x), d) / (d * d);
   }
   return e;
 }
@@ -155,7 +155,7 @@ class Bench {
     const System& sys = scene_.system;
     Random random(scene_.run.seed);
     Vectors r(3, sys.bond_count());
-    differences(sys, s.x, r);
+    bond_vectors(sys, s.x, r);
     DirectSolver solver(sys);
     solver.factor(r);
     Eigen::VectorXd g(sys.bond_count());

@@ -14,12 +14,12 @@ Eigen::VectorXd SweptErrors::swept(const Eigen::VectorXd& sigma) const {
   Vectors moved = Vectors::Zero(3, sys_.atoms());
   const auto left = [&](int k) {
     const auto& [i, j, d] = sys_.bonds[k];
-    return sigma[k] + (x_.col(j) - x_.col(i)).dot(moved.col(j) - moved.col(i));
+    return sigma[k] + sys_.along(sys_.bonds[k], x_).dot(moved.col(j) - moved.col(i));
   };
   for (int sweep = 0; sweep < sweeps_; ++sweep)
     for (int k = 0; k < sys_.bond_count(); ++k) {
       const auto& [i, j, d] = sys_.bonds[k];
-      const Vec3 r = x_.col(j) - x_.col(i);
+      const Vec3 r = sys_.along(sys_.bonds[k], x_);
       const double g = -left(k) / ((sys_.inv_mass[i] + sys_.inv_mass[j]) * r.squaredNorm());
       moved.col(i) -= sys_.inv_mass[i] * g * r;
       moved.col(j) += sys_.inv_mass[j] * g * r;

@@ -112,12 +112,13 @@ TEST(Tables, EndWhereTheyEnd) {
   terms.tabulated_bonds = {{1, 0, table_of(lennard_jones, 0.3, 0.5, 9)}};
   terms.tabulated_angles = {{0, 1, 2, table_of(lennard_jones, 0.5, pi / 2, 9)}};
   BondedForces forces(terms, {});
+  const System three = make_system(Eigen::VectorXd::Ones(3), {});
   const auto at = [&](double r, double theta) {
     Vectors x(3, 3);
     x << r, 0, std::cos(theta), 0, 0, std::sin(theta), 0, 0, 0;
     Vectors f = Vectors::Zero(3, 3);
     const std::string in_run = said([&] { forces.add_forces(x, f); });
-    const std::string at_start = said([&] { check_tables_cover(terms, x); });
+    const std::string at_start = said([&] { check_tables_cover(three, terms, x); });
     EXPECT_EQ(in_run == "no error", at_start == "no error");
     return in_run;
   };

@@ -95,7 +95,8 @@ BondClusters find_clusters(const System& sys, const ClusterLimits& limits) {
     atoms.erase(std::unique(atoms.begin(), atoms.end()), atoms.end());
     const bool anchored =
         std::any_of(atoms.begin(), atoms.end(), [&](int a) { return sys.inv_mass[a] == 0; });
-    if (anchored || static_cast<int>(bonds.size()) > most_bonds_of(limits)) {
+    const bool meets_itself = sys.reach_of(atoms.front()) == Reach::kCluster;
+    if (anchored || meets_itself || static_cast<int>(bonds.size()) > most_bonds_of(limits)) {
       found.rest.insert(found.rest.end(), bonds.begin(), bonds.end());
       continue;
     }

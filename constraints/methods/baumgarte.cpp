@@ -138,7 +138,7 @@ SolveStats Baumgarte::again(const System& sys, const Push& push, State& s) {
 SolveStats Baumgarte::set_targets(const System& sys, const Push& push, const State& s) {
   if (push.h != h_of_laws_) laws_ = laws_of(gains_, damping_named(options_.damping), options_.gains, push.h);
   h_of_laws_ = push.h;
-  differences(sys, s.x, r_);
+  bond_vectors(sys, s.x, r_);
   differences(sys, s.v, v_half_);
   Residual now;
   for (int k = 0; k < sys.all_bonds(); ++k) {

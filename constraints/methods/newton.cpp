@@ -20,7 +20,7 @@ Newton::Newton(const System& sys, const Options& options, double)
 SolveStats Newton::project_positions(const System& sys, double h, State& s) {
   for (int k = 0; k < sys.bond_count(); ++k) {
     const auto& [i, j, d] = sys.bonds[k];
-    r_old_.col(k) = s.x.col(j) - s.x.col(i) - h * (s.v.col(j) - s.v.col(i));
+    r_old_.col(k) = sys.along(sys.bonds[k], s.x) - h * (s.v.col(j) - s.v.col(i));
   }
   if (!factored_) solver_.factor(r_old_);
 
@@ -32,7 +32,7 @@ SolveStats Newton::project_positions(const System& sys, double h, State& s) {
     Residual residual;
     for (int k = 0; k < sys.bond_count(); ++k) {
       const auto& [i, j, d] = sys.bonds[k];
-      r_.col(k) = s.x.col(j) - s.x.col(i);
+      r_.col(k) = sys.along(sys.bonds[k], s.x);
       dg_[k] = -sigma(r_.col(k), d);
       residual.see(std::abs(dg_[k]) / (d * d), k);
     }
@@ -76,7 +76,7 @@ void Newton::explain_by_pivots(bool exactly, SolveStats& stats) const {
 }
 
 SolveStats Newton::project_velocities(const System& sys, double h, State& s) {
-  differences(sys, s.x, r_);
+  bond_vectors(sys, s.x, r_);
   solver_.factor(r_);
   factored_ = true;
   const auto rate = [&](int k) {

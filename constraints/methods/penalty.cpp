@@ -19,7 +19,7 @@ SolveStats Penalty::add_forces(const System& sys, const Push&, State& s) {
   Residual residual;
   for (int k = 0; k < sys.bond_count(); ++k) {
     const auto& [i, j, d] = sys.bonds[k];
-    const Vec3 r = s.x.col(j) - s.x.col(i);
+    const Vec3 r = sys.along(sys.bonds[k], s.x);
     const double length = r.norm();
     lambda_[k] = -k_[k] * (length - d) / length;
     s.f.col(i) -= lambda_[k] * r;
@@ -38,7 +38,7 @@ double Penalty::spring_energy(const System& sys, const Vectors& x) const {
   double energy = 0;
   for (int k = 0; k < sys.bond_count(); ++k) {
     const auto& [i, j, d] = sys.bonds[k];
-    const double stretch = (x.col(j) - x.col(i)).norm() - d;
+    const double stretch = sys.along(sys.bonds[k], x).norm() - d;
     energy += 0.5 * k_[k] * stretch * stretch;
   }
   return energy;

@@ -167,7 +167,7 @@ std::vector<Settle::Water> Settle::waters_in(const System& sys) {
     const int left = other_end(p, a), right = other_end(q, a), base = bond_between(left, right);
     if (base < 0 || held[p] || bonds_at[left].size() != 2 || bonds_at[right].size() != 2) continue;
     if (!alike(sys.bonds[p].length, sys.bonds[q].length) || !alike(sys.mass[left], sys.mass[right])) continue;
-    if (sys.mass[a] == 0 || sys.mass[left] == 0) continue;
+    if (sys.mass[a] == 0 || sys.mass[left] == 0 || sys.reach_of(a) == Reach::kCluster) continue;
     const double side = sys.bonds[p].length, half = 0.5 * sys.bonds[base].length;
     if (!(side > half)) continue;
     const double height = std::sqrt(side * side - half * half);
@@ -192,7 +192,8 @@ std::vector<Settle::Water> Settle::find_waters(const System& sys) {
     const int k = parts.rest.front();
     throw InputError(
         fmt::format("method settle: bond {} ({}-{}) is not part of a three-site water (a triangle by "
-                    "itself, two sides and the masses at their ends equal, none anchored); take newton or "
+                    "itself, two sides and the masses at their ends equal, none anchored or closed through "
+                    "the box); take newton or "
                     "rattle, or settle with method.solute = \"newton\"",
                     k, sys.bonds[k].i, sys.bonds[k].j));
   }

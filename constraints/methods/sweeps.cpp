@@ -64,7 +64,7 @@ PositionSweeps::PositionSweeps(const System& sys, SweepLimits limits)
 SolveStats PositionSweeps::run(const System& sys, double h, State& s, Eigen::VectorXd& g) {
   for (int k = 0; k < sys.all_bonds(); ++k) {
     const auto& [i, j, d] = sys.bond(k);
-    r_old_.col(k) = s.x.col(j) - s.x.col(i) - h * (s.v.col(j) - s.v.col(i));
+    r_old_.col(k) = sys.along(sys.bond(k), s.x) - h * (s.v.col(j) - s.v.col(i));
   }
   add_constraint_acceleration(sys, r_old_, g, s.x);
 
@@ -72,7 +72,7 @@ SolveStats PositionSweeps::run(const System& sys, double h, State& s, Eigen::Vec
     Residual residual;
     for (int k = 0; k < sys.all_bonds(); ++k) {
       const auto& [i, j, d] = sys.bond(k);
-      const Vec3 r = s.x.col(j) - s.x.col(i);
+      const Vec3 r = sys.along(sys.bond(k), s.x);
       const double sigma_k = sigma(r, d), error = std::abs(sigma_k) / (d * d);
       const int side = sys.side(k);
       if (side * sigma_k > 0 && g[k] == 0) continue;  // slack
@@ -102,7 +102,7 @@ VelocitySweeps::VelocitySweeps(const System& sys, SweepLimits limits)
 
 SolveStats VelocitySweeps::run(const System& sys, double h, State& s, const Eigen::VectorXd& held,
                                Eigen::VectorXd& g) {
-  differences(sys, s.x, r_);
+  bond_vectors(sys, s.x, r_);
   for (int k = 0; k < sys.all_bonds(); ++k) {
     const auto& [i, j, d] = sys.bond(k);
     inv_a_kk_[k] = 1 / ((sys.inv_mass[i] + sys.inv_mass[j]) * r_.col(k).squaredNorm());

@@ -75,12 +75,15 @@ BondedForces::KindEnergies BondedForces::add_forces(const Vectors& x, Vectors& f
   return std::apply([](const auto&... kind) { return KindEnergies{kind.total()...}; }, kinds_);
 }
 
-std::vector<std::pair<std::string, double>> BondedForces::by_name(const KindEnergies& energies) const {
+BondedForces::KindCounts BondedForces::counts() const {
+  return std::apply([](const auto&... kind) { return KindCounts{kind.terms.size()...}; }, kinds_);
+}
+
+std::vector<std::pair<std::string, double>> BondedForces::by_name(const KindEnergies& energies,
+                                                                  const KindCounts& counts) {
   constexpr std::array kKindNames{
       "bond", "angle", "cosine_angle",         "torsion",        "rb_torsion",     "harmonic_torsion",
       "cmap", "fene",  "cosine_squared_angle", "tabulated_bond", "tabulated_angle"};
-  const auto counts =
-      std::apply([](const auto&... kind) { return std::array{kind.terms.size()...}; }, kinds_);
   std::vector<std::pair<std::string, double>> all;
   for (std::size_t k = 0; k < kKindNames.size(); ++k)
     if (counts[k] > 0) all.emplace_back(kKindNames[k], energies[k]);

@@ -25,8 +25,12 @@ class BondedForces {
   // Throws SimulationFailure where a fene bond is stretched to r₀ or more, and outside a table.
   KindEnergies add_forces(const Vectors& x, Vectors& f);
 
-  // The same by name, exceptions left out, only the kinds there are: ("angle", 12.3), ...
-  std::vector<std::pair<std::string, double>> by_name(const KindEnergies& energies) const;
+  using KindCounts = std::array<std::size_t, 12>;
+  KindCounts counts() const;  // of terms
+
+  // Energies by name, exceptions left out, only the kinds there are: ("angle", 12.3), ...
+  static std::vector<std::pair<std::string, double>> by_name(const KindEnergies& energies,
+                                                             const KindCounts& counts);
   static double exception_energy(const KindEnergies& energies) { return energies.back(); }
 
   const Pieces& pieces() const { return pieces_; }

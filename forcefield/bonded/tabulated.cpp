@@ -81,9 +81,10 @@ double add_term_forces(std::span<const TabulatedAngle> angles, const Vectors& x,
   return energy;
 }
 
-void check_tables_cover(const Terms& terms, const Vectors& start) {
-  const auto check = [](const auto& term, double at) {
-    if (!term.energy->covers(at))
+void check_tables_cover(const System& sys, const Terms& terms, const Vectors& start) {
+  const auto check = [&](const auto& term,
+                         double at) {  // those through the box when they are first evaluated
+    if (sys.reach_of(term.i) == Reach::kWhole && !term.energy->covers(at))
       throw InputError(why_outside(term, at) + ": move the atoms, or give a table that goes further");
   };
   for (const TabulatedBond& bond : terms.tabulated_bonds) check(bond, length(bond, start));

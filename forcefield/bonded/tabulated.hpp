@@ -14,6 +14,6 @@ double add_term_forces(std::span<const TabulatedBond> bonds, const Vectors& x, V
 double add_term_forces(std::span<const TabulatedAngle> angles, const Vectors& x, Vectors& f);
 
 // Throws InputError where one of them is outside its table at the start.
-void check_tables_cover(const Terms& terms, const Vectors& start);
+void check_tables_cover(const System& sys, const Terms& terms, const Vectors& start);
 
 }  // namespace taut

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <utility>
 
 #include "md/step_parts.hpp"
 #include "md/units.hpp"
@@ -15,9 +16,10 @@ constexpr int kPairsOfThread = 512;   // fewer are not worth waking a thread for
 constexpr double kMixedError = 1e-8;  // of erf(αr)/r, where the mesh has 1e-7 of its own
 }  // namespace
 
-Pme::Pme(const Nonbonded& nb, Precision precision)
+Pme::Pme(const Nonbonded& nb, Precision precision, std::vector<Reach> reach)
     : alpha_(nb.pme->alpha),
       screening_(alpha_, *nb.cutoff, {.error = precision == Precision::kMixed ? kMixedError : 1e-15}),
+      reach_(std::move(reach)),
       total_(nb.charge.sum()),
       constant_(-kCoulomb * alpha_ / std::sqrt(std::numbers::pi) * nb.charge.squaredNorm()),
       mesh_(std::sqrt(kCoulomb) * nb.charge, *nb.pme, precision) {
@@ -33,6 +35,7 @@ Pme::Pme(const Nonbonded& nb, Precision precision)
 void Pme::set_box(const Box& box) {
   background_ = -kCoulomb * std::numbers::pi * total_ * total_ / (2 * box.volume() * alpha_ * alpha_);
   mesh_.set_box(box);
+  box_ = box;
 }
 
 double Pme::add_forces(const Vectors& x, Vectors& f) {
@@ -69,6 +72,7 @@ Pme::ExcludedSums Pme::over_some(std::span<const Excluded> excluded, const Vecto
   Vec3 r[kScreenedPairs];
   for (std::size_t k = 0; k < excluded.size(); ++k) {
     r[k] = x.col(excluded[k].i) - x.col(excluded[k].j);
+    if (!reach_.empty() && reach_[excluded[k].i] != Reach::kWhole) r[k] = box_.nearest_image(r[k]);
     pairs.r2[k] = r[k].squaredNorm();
   }
   std::fill(pairs.r2 + excluded.size(), std::end(pairs.r2), 0.0);

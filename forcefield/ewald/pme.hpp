@@ -8,6 +8,7 @@
 #include "forcefield/ewald/screening.hpp"
 #include "forcefield/terms.hpp"
 #include "md/box.hpp"
+#include "md/system.hpp"
 
 namespace taut {
 
@@ -20,8 +21,8 @@ namespace taut {
 // The pairs' own part, k q q' erfc(αr)/r, is one of the laws of pairs/pair_kernels.hpp.
 class Pme {
  public:
-  // nb.pme as chosen.
-  Pme(const Nonbonded& nb, Precision precision);
+  // nb.pme as chosen. reach: exceptions of molecules that meet their own image are of nearest images.
+  Pme(const Nonbonded& nb, Precision precision, std::vector<Reach> reach = {});
 
   void set_box(const Box& box);
   double add_forces(const Vectors& x, Vectors& f);  // returns the energy [kJ/mol]
@@ -57,6 +58,8 @@ class Pme {
 
   double alpha_;  // [1/nm]
   Screening screening_;
+  std::vector<Reach> reach_;
+  Box box_;
   double total_;  // Q [e]
   double constant_, background_ = 0;
   std::vector<Excluded> excluded_;

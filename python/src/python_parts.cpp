@@ -221,7 +221,7 @@ class PythonMethod final : public ConstraintMethod {
   static void look_at(const System& sys, const State& s, SolveStats& stats) {
     for (int k = 0; k < sys.bond_count(); ++k) {
       const auto& [i, j, d] = sys.bonds[k];
-      const double residual = std::abs(sigma(s.x.col(j) - s.x.col(i), d)) / (d * d);
+      const double residual = std::abs(sigma(sys.along(sys.bonds[k], s.x), d)) / (d * d);
       if (exceeds(residual, stats.max_residual)) stats.max_residual = residual, stats.worst_bond = k;
     }
   }

@@ -46,7 +46,7 @@ class LammpsScene {
     }
     scene.system = make_system(mass_, bonds_);
     hear(listen);
-    make_whole(scene.start.box, tethers(scene.system, scene.terms), scene.start.x);
+    make_whole(tethers(scene.system, scene.terms), scene.start, scene.system);
     read_lammps_pairs(rows, pairs, {type_, charge_, fene_.empty()}, scene);
     name_atoms();
   }

@@ -59,7 +59,11 @@ long copies_given(const TomlTable& keys, Placement& placement) {
   if (x.cols() % molecule.atoms() != 0)
     keys.fail("file",
               fmt::format("{} atoms are no whole number of molecules of {}", x.cols(), molecule.atoms()));
-  make_whole(placement.given.box, repeated_tethers(molecule, x.cols()), x);
+  if (!make_whole(placement.given.box, repeated_tethers(molecule, x.cols()), x).empty())
+    keys.fail("file",
+              "a molecule is bonded around the box to its own image, which no [molecule] can be: read such a "
+              "network "
+              "of a LAMMPS data file (kind = \"lammps\") or of OpenMM's XML (taut run --openmm)");
   if (const std::string wrong = wrong_bonds(molecule, x); !wrong.empty()) keys.fail("file", wrong);
   return x.cols() / molecule.atoms();
 }

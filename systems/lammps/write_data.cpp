@@ -106,7 +106,7 @@ class Writer {
     const State& start = scene_.start;
     for (const auto& [i, j] : bonded_pairs(scene_.system, terms)) {
       const Vec3 r = start.x.col(j) - start.x.col(i), nearest = start.box.nearest_image(r);
-      if (nearest.norm() < 0.99 * r.norm())
+      if (scene_.system.reach_of(i) == Reach::kWhole && nearest.norm() < 0.99 * r.norm())
         refuse_for_lammps(fmt::format(
             "atoms {} and {} are bonded over half the box, and its bonds are of nearest images", i, j));
     }

@@ -154,7 +154,7 @@ void for_each_image(const Ring& one, const Ring& two, bool periodic, Act act) {
 LinkedRings find_linked_rings(const System& sys, const Terms& terms, const State& s, const Listen& listen) {
   std::vector<Ring> rings;
   for (const auto& atoms : rings_of(sys.atoms(), Adjacency(sys.atoms(), drawn_bonds(sys, terms))))
-    rings.push_back(place_ring(atoms, s.box, s.x));
+    if (sys.reach_of(atoms[0]) == Reach::kWhole) rings.push_back(place_ring(atoms, s.box, s.x));
   const Eigen::Matrix3d axes = odd_axes();
   LinkedRings found{.rings = static_cast<int>(rings.size())};
   for (std::size_t i = 0; i < rings.size(); ++i) {

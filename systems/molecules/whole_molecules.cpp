@@ -240,11 +240,15 @@ Names guessed_names(const System& sys, const Terms& terms) {
   return guessed_names({sys.mass.begin(), sys.mass.end()}, molecules(sys, terms));
 }
 
-void make_whole(const Box& box, const std::vector<Tether>& tethers, Vectors& x) {
-  if (!box.periodic()) return;
-  JoinedAtoms joined(static_cast<int>(x.cols()));
+namespace {
+
+// Joins atoms by the tethers that `uses` picks. Returns for each atom whether what it is joined to meets its own image.
+std::vector<bool> join(const Box& box, const std::vector<Tether>& tethers, const Vectors& x, const auto& uses,
+                       JoinedAtoms& joined) {
+  std::vector<int> around;  // an atom of each tether that closes a ring around the box
   for (int rank = 0; rank < 3; ++rank)
     for (const Tether& tether : tethers) {
+      if (!uses(tether)) continue;
       const TetheredImages images(box, tether, x.col(tether.j) - x.col(tether.i));
       if (images.rank() != rank) continue;
       const JoinedAtoms::Found i = joined.find(tether.i), j = joined.find(tether.j);
@@ -253,19 +257,58 @@ void make_whole(const Box& box, const std::vector<Tether>& tethers, Vectors& x) 
         continue;
       }
       const Vec3 cell = j.cell - i.cell;  // it closes a ring
-      if (rank < 2 && !images.fit(cell) && cell != images.cell())
-        throw InputError(
-            fmt::format("atoms {} and {} are bonded around the box: their molecule meets its own image",
-                        tether.i, tether.j));
+      if (rank < 2 && !images.fit(cell) && cell != images.cell()) around.push_back(tether.i);
     }
-  std::vector<int> first(static_cast<std::size_t>(x.cols()), -1);  // atom of each root
-  for (int a = 0; a < x.cols(); ++a) {
-    const JoinedAtoms::Found found = joined.find(a);
-    int& stays = first[static_cast<std::size_t>(found.root)];
-    if (stays < 0) stays = a;
-    const Vec3 cell = found.cell - joined.find(stays).cell;
-    if (!cell.isZero(0)) x.col(a) += box.lattice_vector(cell);
-  }
+  std::vector<bool> root_meets_itself(static_cast<std::size_t>(x.cols())), meets_itself = root_meets_itself;
+  for (const int a : around) root_meets_itself[joined.find(a).root] = true;
+  for (int a = 0; a < x.cols(); ++a) meets_itself[a] = root_meets_itself[joined.find(a).root];
+  return meets_itself;
+}
+
+void refuse_long(const Box& box, const std::vector<Tether>& tethers, const std::vector<Reach>& reach) {
+  for (const Tether& tether : tethers)
+    if (reach[tether.i] != Reach::kWhole && tether.length * (1 + kFits) > box.edge.minCoeff() / 2)
+      throw InputError(fmt::format(
+          "atoms {} and {} are of a molecule that is bonded around the box to its own image, and their "
+          "bond of {:.4g} nm is over half the box, so that its nearest image is in doubt: take a larger "
+          "box",
+          tether.i, tether.j, tether.length));
+}
+
+}  // namespace
+
+std::vector<Reach> make_whole(const Box& box, const std::vector<Tether>& tethers, Vectors& x) {
+  if (!box.periodic()) return {};
+  const auto atoms = static_cast<int>(x.cols());
+  std::vector<Reach> reach(static_cast<std::size_t>(atoms), Reach::kWhole);
+  const auto join_and_move = [&](Reach of, const auto& uses) {
+    JoinedAtoms joined(atoms);
+    const std::vector<bool> meets_itself = join(
+        box, tethers, x, [&](const Tether& t) { return reach[t.i] == of && uses(t); }, joined);
+    std::vector<int> first(reach.size(), -1);  // atom of each root
+    for (int a = 0; a < atoms; ++a) {
+      if (meets_itself[a]) {
+        reach[a] = of == Reach::kWhole ? Reach::kMolecule : Reach::kCluster;
+        continue;
+      }
+      const JoinedAtoms::Found found = joined.find(a);
+      int& stays = first[static_cast<std::size_t>(found.root)];
+      if (stays < 0) stays = a;
+      const Vec3 cell = found.cell - joined.find(stays).cell;
+      if (!cell.isZero(0)) x.col(a) += box.lattice_vector(cell);
+    }
+    return std::ranges::find(meets_itself, true) != meets_itself.end();
+  };
+  if (!join_and_move(Reach::kWhole, [](const Tether&) { return true; })) return {};
+  if (join_and_move(Reach::kMolecule, [](const Tether& t) { return t.by != Tether::By::kSpring; }))
+    join_and_move(Reach::kCluster, [](const Tether& t) { return t.by == Tether::By::kSite; });
+  refuse_long(box, tethers, reach);
+  return reach;
+}
+
+void make_whole(const std::vector<Tether>& tethers, State& start, System& sys) {
+  sys.reach = make_whole(start.box, tethers, start.x);
+  sys.images = std::ranges::find(sys.reach, Reach::kCluster) == sys.reach.end() ? Box{} : start.box;
 }
 
 }  // namespace taut

@@ -6,6 +6,7 @@
 #include "base/names.hpp"
 #include "forcefield/terms.hpp"
 #include "md/box.hpp"
+#include "md/state.hpp"
 #include "md/system.hpp"
 
 namespace taut {
@@ -42,13 +43,17 @@ std::vector<int> molecules(int atoms, const std::vector<BondedPair>& pairs);
 std::vector<int> molecules(const System& sys, const Terms& terms);  // from tied_pairs()
 
 // Moves atoms by lattice vectors so that molecules are whole. The first atom of each stays, as does a molecule that is
-// whole already. Without a box nothing moves. The two atoms of a tether become
+// whole already. Without a box nothing moves. A molecule that is bonded to its own image cannot be made whole: its
+// clusters are, or where a cluster meets its own image, virtual sites with their parents. Returns which do; empty: none.
+// The two atoms of a tether become
 // - nearest images, where it is no longer than half the box's shortest edge, or of no known length;
 // - else images at its length: as they are, if they are so to 1 % or no image is nearer to it; or those that are.
 // Surer tethers come first, and those of struts, ropes and sites decide only where nothing else does. Throws InputError
-// for a rigid bond longer than half the box that no image fits, or two alike, and for a molecule that is bonded to
-// its own image, which cannot be made whole.
-void make_whole(const Box& box, const std::vector<Tether>& tethers, Vectors& x);
+// for a rigid bond longer than half the box that no image fits, or two alike, and for a tether of such a length in a
+// molecule that is bonded to its own image, where bonds are of nearest images.
+std::vector<Reach> make_whole(const Box& box, const std::vector<Tether>& tethers, Vectors& x);
+// The same, and tells the system.
+void make_whole(const std::vector<Tether>& tethers, State& start, System& sys);
 
 // Returns why positions are taken for ones in ångström: bonds are ten times as long as they are held, or as their springs
 // are at rest, half of all between 8 and 12.5 times. Nothing where they are not. Springs are judged from three on.

@@ -92,6 +92,15 @@ void refuse_bonds_to_anchors(const System& sys) {
   }
 }
 
+void refuse_bonds_through_the_box(const System& sys) {
+  for (const RigidBond& bond : sys.bonds)
+    if (sys.reach_of(bond.i) == Reach::kCluster)
+      throw InputError(fmt::format(
+          "OpenMM cannot express it: rigid bond {}-{} is of a cluster that goes around the box to its own "
+          "image, and OpenMM's constraints take no nearest image",
+          bond.i, bond.j));
+}
+
 template <class Term>
 void write_bonded(Node forces, const std::vector<Term>& terms) {
   bool takes_images = false;
@@ -249,6 +258,13 @@ void write_wca(Node forces, int atoms, const Box& box, const Wca& wca) {
   }
 }
 
+// Lets all forces take nearest images, as molecules that meet their own image do.
+void take_images(Node forces) {
+  for (Node force : forces.children())
+    for (const char* name : {"usesPeriodic", "exceptionsUsePeriodic"})
+      if (auto taken = force.attribute(name)) taken.set_value("1");
+}
+
 void write_forces(Node forces, const OpenMMInput& from) {
   const Terms& terms = from.terms;
   write_bonded(forces, terms.bonds);
@@ -279,6 +295,7 @@ void write_forces(Node forces, const OpenMMInput& from) {
     return Numbers{t.k, t.r0};
   });
   if (terms.wca) write_wca(forces, from.system.atoms(), from.start.box, *terms.wca);
+  if (!from.system.reach.empty()) take_images(forces);
   if (from.remove_momentum_every > 0)
     put(write_force(forces, "CMMotionRemover", {}), "frequency", from.remove_momentum_every);
 }
@@ -301,6 +318,7 @@ std::string whole_file(const char* type, auto fill) {
 std::string openmm_system_xml(const OpenMMInput& from) {
   refuse_bonds_to_anchors(from.system);
   refuse_one_sided_bonds(from.system);
+  refuse_bonds_through_the_box(from.system);
   refuse_own_fields(from.terms);
   refuse_steered_atoms(from.terms);
   refuse_changing_pulls(from.terms);

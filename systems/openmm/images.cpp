@@ -24,7 +24,15 @@ class Images {
       const int i = atoms[a - 1], j = atoms[a];
       const Vec3 d = m_.whole.col(j) - m_.whole.col(i);
       const char* problem = nullptr;
-      if (!taken_) {
+      if (m_.sys.reach_of(i) != Reach::kWhole || m_.sys.reach_of(j) != Reach::kWhole) {
+        if (m_.molecule[i] != m_.molecule[j])
+          problem = "joins two molecules, of which one is bonded around the box to its own image";
+        else if (!taken_ && !m_.near(m_.as_given.col(j) - m_.as_given.col(i), m_.box.nearest_image(d)))
+          problem =
+              "goes through the box, as its molecule is bonded to its own image, and usesPeriodic is 0: let "
+              "the force "
+              "use periodic boundary conditions";
+      } else if (!taken_) {
         if (!m_.near(d, m_.as_given.col(j) - m_.as_given.col(i)))
           problem = "is broken across the box and usesPeriodic is 0: give a State of whole molecules";
       } else if (m_.molecule[i] != m_.molecule[j]) {

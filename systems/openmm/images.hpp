@@ -10,6 +10,7 @@ namespace taut {
 
 // The positions of the atoms, and the molecule of each.
 struct WholeMolecules {
+  const System& sys;
   Box box;
   Vectors as_given, whole;  // positions [nm], 3 x n
   std::vector<int> molecule;
@@ -19,11 +20,12 @@ struct WholeMolecules {
   }
 };
 
-// taut evaluates bonded terms and exceptions without images, with whole molecules. This agrees with OpenMM
+// taut evaluates bonded terms and exceptions without images, with whole molecules; of molecules that meet their own
+// image it takes the nearest images. This agrees with OpenMM
 // - for a force that uses nearest images, if the atoms of each term belong to one molecule and are near each
 //   other;
-// - for other forces, if the molecules of their terms are whole in the State. Refuses the first term for
-//   which it does not agree. (In a uniform field, moving an atom by an edge of the box changes the potential
+// - for other forces, if the molecules of their terms are whole in the State.
+// Refuses the first term for which it does not agree. (In a uniform field, moving an atom by an edge of the box changes the potential
 //   by a constant.)
 void check_images(const Element& at, const OpenMMForce& force, const WholeMolecules& molecules);
 

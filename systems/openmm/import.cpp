@@ -187,11 +187,11 @@ void mend_molecules(const PlacedForces& forces, const std::vector<RigidBond>& co
   add_tethers(sys.sites, tethers);
   const Vectors as_given = input.start.x;
   try {
-    make_whole(input.start.box, tethers, input.start.x);
+    make_whole(tethers, input.start, input.system);
   } catch (const InputError& e) {
     state.part("Positions").refuse(e.what());
   }
-  const WholeMolecules molecules{input.start.box, as_given, input.start.x,
+  const WholeMolecules molecules{input.system, input.start.box, as_given, input.start.x,
                                  taut::molecules(sys.atoms(), pairs_of(tethers))};
   check_images(state.part("Positions"), sys.sites, molecules);
   place(state, input);
@@ -281,7 +281,7 @@ OpenMMInput read_openmm(const XmlFile& system_file, const XmlFile& state_file) {
   of_each([&](const PlacedForce& f) { check_terms(input.system, input.start.box, f.force.terms); });
   refuse_angstrom(forces, input, state);
   if (input.start.box.periodic()) mend_molecules(forces, constraints, state, input);
-  of_each([&](const PlacedForce& f) { check_tables_cover(f.force.terms, input.start.x); });
+  of_each([&](const PlacedForce& f) { check_tables_cover(input.system, f.force.terms, input.start.x); });
   for (PlacedForce& f : forces) add(f, input);
   bool has_types = false;
   of_each([&](PlacedForce& f) {

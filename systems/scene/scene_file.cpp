@@ -205,7 +205,7 @@ Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::tab
   if (!set_aside.empty()) scene.notes.push_back(set_aside);
   build_keys.reject_unknown();
   forcefield_keys.reject_unknown();
-  check_tables_cover(scene.terms, scene.start.x);
+  check_tables_cover(scene.system, scene.terms, scene.start.x);
   // Refuses settings that contradict each other while the file's name is known.
   ForceField fitting(scene.system, scene.start.box, scene.terms);
   if (scene.terms.tabulated_pairs && !scene.run.minimise) refuse_start_below_tables(scene, fitting);
