@@ -96,6 +96,38 @@ def anchored(count: int, offset: Any, mass: float) -> Tuple[Dict[str, Any], np.n
     }, x
 
 
+def log_weight_of_loops(length: float, bond: float) -> float:
+    """ln Z of a loop of three equal atoms around a box of this length, Z = ∫ √det A over the bonds' directions.
+
+    The first bond leaves the vector s to the other two, whose common circle has the density 1/|s|."""
+    nodes, weights = np.polynomial.legendre.leggauss(100)
+    lowest = max(-1.0, (length**2 - 3 * bond**2) / (2 * length * bond))  # |s| ≤ two bonds
+    cosine = lowest + 0.5 * (1 - lowest) * (nodes + 1)
+    angle = 2 * math.pi * (np.arange(100) + 0.5) / 100
+    first = np.stack([cosine, np.sqrt(1 - cosine**2), 0 * cosine], axis=1)
+    s = [length / bond, 0, 0] - first
+    reach = np.linalg.norm(s, axis=1)
+    along, up = s / reach[:, None], np.array([0.0, 0.0, 1.0])
+    around = (np.cos(angle)[:, None] * np.cross(up, along)[:, None, :] + np.sin(angle)[:, None] * up)
+    second = 0.5 * s[:, None, :] + np.sqrt(1 - reach**2 / 4)[:, None, None] * around
+    third = s[:, None, :] - second
+    a, b, c = ((one * other).sum(-1) for one, other in ((first[:, None, :], second), (second, third),
+                                                        (third, first[:, None, :])))
+    mean = np.sqrt(8 - 2 * (a * a + b * b + c * c) - 2 * a * b * c).mean(1)
+    return math.log((1 - lowest) * float((weights * mean / reach).sum()))
+
+
+def loops_around_the_box(count: int) -> Tuple[Dict[str, Any], np.ndarray]:
+    rng, bond = np.random.default_rng(8), 0.4
+    aside = (1 - bond) / 2  # the last bond lies along the box's edge
+    loop = np.array([[0, 0, 0], [aside, math.sqrt(bond**2 - aside**2), 0], [1 - bond, 0, 0]])
+    bonds = [{
+        "atoms": [3 * n + i, 3 * n + (i + 1) % 3], "length_nm": bond, **({"image": [1, 0, 0]} if i == 2 else {})
+    } for n in range(count) for i in range(3)]
+    x = np.vstack([loop + rng.uniform(0, 1, 3) for _ in range(count)])
+    return {"masses_u": [10] * 3 * count, "bonds": bonds, "box_nm": np.eye(3).tolist(), "forces": []}, x
+
+
 def main() -> None:
     rng = np.random.default_rng(3)
     rod = np.array([[0, 0, 0], [0.2, 0, 0]])
@@ -164,6 +196,12 @@ def main() -> None:
              ask("mean_tension_kj_per_mol_nm", 2 * KT / 0.2 + 50, 0.02 * 2 * KT / 0.2,
                  "2kT/d of two rotations, and F of the spring")
          ])
+    made, x = loops_around_the_box(64)
+    slope = (log_weight_of_loops(1.0001, 0.4) - log_weight_of_loops(0.9999, 0.4)) / 0.0002
+    right = 64 * KT / 3 * (3 + slope) * BAR
+    case("loops_around_the_box", "64 loops of three atoms on bonds that close through the box, without other forces.",
+         made, x, [ask("pressure_bar", right, 0.05 * abs(right),
+                       "P V = kT (1 + ⅓ L d ln Z/dL) of a loop, Z = ∫ √det A over what its bonds allow, by quadrature")])
 
 
 if __name__ == "__main__":

@@ -94,7 +94,7 @@ def read_rows(folder: Path, case: Case, shift: np.ndarray) -> Dict[str, Any]:
 def run(case: Case, variant: str) -> Dict[str, Any]:
     shift = whole_by_images(case)
     if shift is None:
-        return {"offered": False, "why": "bonds that close through the box"}
+        return {"offered": False, "why": "two bonds of the same atoms, or bonds over half the box, that close through it"}
     if any(ask["what"] == "degrees_of_freedom" for ask in case["asks"]):  # all are counted where a bath acts on all
         case = {**case, "run": {**case["run"], "langevin": {"temperature_k": 300, "friction_per_ps": 1}, "seed": 1}}
     with tempfile.TemporaryDirectory() as scratch:

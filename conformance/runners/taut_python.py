@@ -74,7 +74,7 @@ def count_freedom(case: Case, variant: str, shift: np.ndarray) -> Any:
 def run(case: Case, variant: str) -> Dict[str, Any]:
     shift = whole_by_images(case)
     if shift is None:
-        return {"offered": False, "why": "bonds that close through the box"}
+        return {"offered": False, "why": "two bonds of the same atoms, or bonds over half the box, that close through it"}
     steps = case["run"]["steps"]
     try:
         simulation = start(case, variant, shift, {})
