@@ -26,10 +26,11 @@ struct MeasureArguments {
   std::optional<double> last, viscosity;
   std::optional<fs::path> out;
   PictureOptions pictures;
-  bool join = false, overwrite = false;
+  bool join = false, tensions = false, overwrite = false;
 
   MeasureSettings settings() const {
-    MeasureSettings settings{.atoms = atoms, .from = {}, .last = last, .viscosity = viscosity};
+    MeasureSettings settings{
+        .atoms = atoms, .from = {}, .last = last, .viscosity = viscosity, .tensions = tensions};
     if (from && last) throw InputError("--from and --last: one of them");
     if (!from) return settings;
     if (*from == "auto") {
@@ -44,8 +45,9 @@ struct MeasureArguments {
 };
 
 // The names that a measurement may write, with their pictures.
-constexpr std::array kTableFiles = {"equilibration", "distances", "displacement", "relaxation",
-                                    "viscosity",     "each_run",  "scan",         "zero_step"};
+constexpr std::array kTableFiles = {"equilibration", "distances",     "displacement", "relaxation",
+                                    "viscosity",     "each_run",      "scan",         "zero_step",
+                                    "loads",         "loads_in_time", "mean_force"};
 
 void write_files(const MeasureArguments& arguments, const auto& draw) {
   make_folder(*arguments.out);
@@ -87,6 +89,8 @@ void measure(const MeasureArguments& arguments) {
   }
   const bool scans = std::ranges::any_of(folders, is_scan);
   if (scans && folders.size() > 1) throw InputError("a scan is measured alone: give its folder and no other");
+  if (arguments.tensions && (scans || (folders.size() > 1 && !arguments.join)))
+    throw InputError("--tensions: of one run; give its folder alone, or the segments of one run with --join");
   Notes notes;
   if (scans) {
     const MeasuredGroups all =
@@ -125,6 +129,8 @@ void add_measure(Commands& commands) {
           "--viscosity", arguments->viscosity,
           "by which diffusion is corrected for the box's size [mPa s] (if not said: the log's, if it tells)")
       .positive();
+  command.flag("--tensions", arguments->tensions,
+               "what each rigid bond carries: its mean tension, the least and the most, of trajectory.h5md");
   command.option("--out", arguments->out, "folder for the figures as CSV, with pictures");
   arguments->pictures.offer(command);
   command.flag("--overwrite", arguments->overwrite, "replace what --out holds");

@@ -22,17 +22,20 @@ void MeasuredGroups::print(const Notes& notes) const {
         say_always(fmt::format("in doubt: {}: {}\n", run.name(), doubt));
   }
   for (const ZeroSteps& of : zero_steps) say_text(in_words(of, terminal_width()));
+  for (const MeanForces& of : forces) say_text(in_words(of, terminal_width()));
 }
 
 nlohmann::ordered_json MeasuredGroups::json() const {
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
   for (const RunGroup& group : groups) json.push_back(json_of(group));
   for (const ZeroSteps& of : zero_steps) json.push_back(json_of(of));
+  for (const MeanForces& of : forces) json.push_back(json_of(of));
   return json;
 }
 
 void MeasuredGroups::draw(StudyFiles& files) const {
   files.draw(picture_of(groups));
+  if (const Picture picture = picture_of(forces); !picture.csv.empty()) files.draw(picture);
   if (!zero_steps.empty()) files.write(kZeroSteps, zero_steps_csv(zero_steps));
 }
 

@@ -2,16 +2,19 @@
 
 #include <vector>
 
+#include "measures/mean_forces_of_scan.hpp"
 #include "measures/run_groups.hpp"
 #include "measures/zero_steps.hpp"
 #include "pictures.hpp"
 
 namespace taut {
 
-// Groups of runs, and what those that differ by their step come to at none: what `taut measure` and `taut scan` show.
+// Groups of runs, what those that differ by their step come to at none, and those that differ by the length of a bond whose
+// tension the log has: what `taut measure` and `taut scan` show.
 struct MeasuredGroups {
   std::vector<RunGroup> groups;
   std::vector<ZeroSteps> zero_steps = at_zero_step(groups);
+  std::vector<MeanForces> forces = mean_forces(groups);
 
   void print(const Notes& notes) const;
   nlohmann::ordered_json json() const;  // a list

@@ -28,9 +28,10 @@ struct PlotArguments {
 };
 
 // The tables of studies and measurements that have a picture.
-constexpr std::array kStudyTables = {"work",       "drift",     "order",         "length",    "precision",
-                                     "plane",      "steps",     "crosscheck",    "distances", "displacement",
-                                     "relaxation", "viscosity", "equilibration", "each_run",  "scan"};
+constexpr std::array kStudyTables = {
+    "work",          "drift",      "order",     "length",       "precision",     "plane",
+    "steps",         "crosscheck", "distances", "displacement", "relaxation",    "viscosity",
+    "equilibration", "each_run",   "scan",      "loads",        "loads_in_time", "mean_force"};
 
 // Draws what a folder of a study or a measurement has tables of, in another size or form. Returns false where it has none.
 bool draw_again(const PlotArguments& arguments) {

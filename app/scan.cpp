@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
@@ -44,6 +45,7 @@ struct ScanArguments : SceneArgument {
   std::optional<int> jobs;
   fs::path out;
   PictureOptions pictures;
+  bool pmf = false;
 };
 
 // One run of a scan: its folder, and the arguments of `taut run`.
@@ -92,6 +94,29 @@ std::vector<ScanPoint> points_of(const ScanArguments& arguments) {
     for (int seed = 1; seed <= arguments.seeds; ++seed)
       point.runs.push_back(arguments.out / fmt::format("{:03}", ++number));
   return points;
+}
+
+// Gives the log the tension of the bond whose length is varied. Throws InputError where it has no potential of mean force.
+void ask_for_mean_force(ScanArguments& arguments, const std::vector<ScanPoint>& points) {
+  std::vector<Scene> scenes;
+  for (const ScanPoint& point : points) {
+    ScanArguments one = arguments;
+    for (const auto& [key, value] : point.values) one.settings.push_back(key + "=" + value);
+    scenes.push_back(one.read());
+  }
+  const std::vector<std::array<int, 2>> varied = bonds_of_several_lengths(scenes);
+  if (varied.empty())
+    throw InputError(
+        "--pmf: no rigid bond has several lengths; expected --vary of one, as in "
+        "molecule.ions.bonds.0.2=0.3,0.35,0.4");
+  if (scenes.front().run.tension_of.empty()) {
+    std::string pairs;
+    for (const auto& [i, j] : varied) pairs += fmt::format("{}[{}, {}]", pairs.empty() ? "" : ", ", i, j);
+    arguments.settings.push_back(fmt::format("run.tension_of=[{}]", pairs));
+    for (Scene& scene : scenes) scene.run.tension_of = varied;
+  }
+  for (const Scene& scene : scenes)
+    if (const std::string flaw = flaw_of_mean_force(scene); !flaw.empty()) throw InputError("--pmf: " + flaw);
 }
 
 // The runs of all points. Reads each point's scene once, so that a wrong value is refused before anything runs.
@@ -200,7 +225,7 @@ void refuse_foreign_files(const fs::path& folder, const std::vector<ScanRun>& ru
         fmt::format("{}: holds another scan; take another folder, or delete it", folder.string()));
   }
   std::vector<std::string> names = {kScanTable, kZeroSteps};
-  for (const char* picture : {"scan", "each_run"})
+  for (const char* picture : {"scan", "each_run", kMeanForce})
     std::ranges::copy(files_of_picture(picture), std::back_inserter(names));
   for (const ScanRun& run : runs)
     for (const char* kind : {"", ".log"}) names.push_back(run.folder.filename().string() + kind);
@@ -210,10 +235,11 @@ void refuse_foreign_files(const fs::path& folder, const std::vector<ScanRun>& ru
                     folder.string(), there.front(), kCommands));
 }
 
-void scan(const ScanArguments& arguments) {
+void scan(ScanArguments arguments) {
   if (arguments.vary.empty() && arguments.seeds < 2)
     throw InputError("nothing to scan: expected --vary KEY=VALUE,VALUE,... or --seeds of 2 or more");
   const std::vector<ScanPoint> points = points_of(arguments);
+  if (arguments.pmf) ask_for_mean_force(arguments, points);
   const std::vector<ScanRun> runs = runs_of(arguments, points);
   // A scan is known by its runs' command lines, so that another one does not go on in its folder.
   std::string line = "taut scan";
@@ -258,6 +284,9 @@ void add_scan(Commands& commands) {
       .option("--vary", arguments->vary,
               "a key and its values: run.temperature_k=280,300,320; of several keys every combination")
       .key_values();
+  command.flag(
+      "--pmf", arguments->pmf,
+      "over the length of a rigid bond: the potential of mean force along it, from its mean tension");
   command.option("--seeds", arguments->seeds, "runs of each setting, with run.seed 1, 2, ...").at_least(1);
   command.option("--jobs", arguments->jobs, "runs at once (if not said: cores over --threads)").at_least(1);
   command.option("--out", arguments->out, "folder of the runs' folders, tables and pictures").required();

@@ -23,6 +23,9 @@ class Projector {
   // Solves A λ = −(J M⁻¹f + |v_ij|²), σ̈ = 0 at this instant. s.f must not contain constraint forces.
   const Eigen::VectorXd& multipliers(const System& sys, const State& s);
 
+  // b ← A⁻¹b, A of the positions where multipliers or velocities were found last.
+  void solve(Eigen::VectorXd& b) { solver_.solve(b); }
+
   int clusters() const { return solver_.clusters(); }
 
  private:

@@ -11,6 +11,11 @@
 
 namespace taut {
 
+Estimate mean_with_error(const std::vector<double>& y) {
+  const Estimate plain = correlated_mean(y);
+  return plain.error > 0 ? mean_of_run(y) : plain;
+}
+
 std::string with_error(const Estimate& e) {
   if (e.error <= 0 || !std::isfinite(e.error))
     return fmt::format("{:.5g} (too few samples for an error)", e.value);

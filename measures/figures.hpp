@@ -15,6 +15,9 @@ struct Figure {
   Estimate value;
 };
 
+// The mean of an even series; without an error where its samples are too few to tell it.
+Estimate mean_with_error(const std::vector<double>& y);
+
 std::string with_error(const Estimate& e);  // "992.3 ± 1.8"; says so where there is no error
 std::string figures_table(const std::vector<Figure>& figures);  // a line each
 

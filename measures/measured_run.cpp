@@ -32,12 +32,6 @@ std::optional<fs::path> trajectory_of(const fs::path& folder) {
   return {};
 }
 
-// Without an error where the samples are too few to tell it.
-Estimate mean_with_error(const std::vector<double>& y) {
-  const Estimate plain = correlated_mean(y);
-  return plain.error > 0 ? mean_of_run(y) : plain;
-}
-
 // The row from which on a column stays the same; 0 where there is none.
 std::size_t steady_from(const std::vector<double>& y) {
   const auto alike = [&](double value) {
@@ -46,6 +40,13 @@ std::size_t steady_from(const std::vector<double>& y) {
   std::size_t row = y.size();
   while (row > 0 && alike(y[row - 1])) --row;
   return row;
+}
+
+// By more than rounding, as the energy of atoms whose distances are all held does not.
+bool varies(const std::vector<double>& y) {
+  constexpr double kRounding = 1e-10;
+  const auto [least, most] = std::ranges::minmax(y);
+  return most - least > kRounding * std::max(std::abs(least), std::abs(most));
 }
 
 // Calls use(reader) with a reader of the trajectory.
@@ -64,7 +65,7 @@ double just_before(double begin) {
   return begin - kSameTime * std::max(1.0, begin);
 }
 
-// Calls see(t, x, box) for every frame of a file that wanted(t) asks for.
+// Calls see(t, x, box, file) for every frame of a file that wanted(t) asks for.
 void for_each_frame(const Scene& scene, const fs::path& path, const auto& wanted, const auto& see) {
   with_reader(path, [&](auto& file) {
     if (file.atoms() != scene.system.atoms())
@@ -76,8 +77,15 @@ void for_each_frame(const Scene& scene, const fs::path& path, const auto& wanted
       if (!wanted(file.time_of(frame)))
         file.skip();
       else if (file.next(x, box))
-        see(file.time_of(frame), x, box);
+        see(file.time_of(frame), x, box, file);
   });
+}
+
+std::string no_tensions(const fs::path& folder) {
+  return fmt::format(
+      "--tensions: {} has no trajectory.h5md, whose frames have the tension of each bond; run with --set "
+      "run.trajectory=h5md run.trajectory_every=100{}",
+      folder.string(), built_with_hdf5() ? "" : ", by a taut built with HDF5 (libhdf5-dev)");
 }
 
 // What a finished run's summary.json says of it.
@@ -117,7 +125,7 @@ void MeasuredRun::choose_window(const MeasureSettings& settings) {
     std::size_t row = 0;
     const EvenMeans even(t);
     for (const char* key : {"potential_kj_mol", "volume_nm3"})
-      if (log_.has(key)) row = std::max(row, even.first_sample(equilibration_end(even.of(log_.column(key)))));
+      if (log_.has(key) && varies(log_.column(key))) row = std::max(row, even.first_sample(equilibration_end(even.of(log_.column(key)))));
     why = fmt::format("; equilibrated from there on by Chodera's rule (most independent samples of energy{})",
                       log_.has("volume_nm3") ? " and volume" : "");
     if (row > t.size() / 2)
@@ -190,6 +198,9 @@ long MeasuredRun::stride_for(double begin, long most_frames) const {
 void MeasuredRun::measure_frames(const MeasureSettings& settings) {
   const double begin = log_.column("time_ps")[first_row_];
   stride_ = stride_for(begin, settings.most_frames);
+  if (settings.tensions && scene_->system.bond_count() == 0)
+    throw InputError(fmt::format("--tensions: {} has no rigid bonds", name()));
+  if (settings.tensions) loads_.emplace(*scene_);
   double seen = -std::numeric_limits<double>::infinity();
   long passed = 0;
   for (std::size_t k = 0; k < segments_.size(); ++k) {
@@ -199,6 +210,7 @@ void MeasuredRun::measure_frames(const MeasureSettings& settings) {
           "{}: no trajectory; for distances, diffusion and chains run with --set "
           "run.trajectory_every=100",
           segments_[k].string());
+      if (settings.tensions) throw InputError(no_tensions(segments_[k]));
       if (!settings.atoms.empty() || settings.viscosity) throw InputError(no_frames_);
       return;
     }
@@ -208,14 +220,18 @@ void MeasuredRun::measure_frames(const MeasureSettings& settings) {
       seen = t;
       return passed++ % stride_ == 0;
     };
-    const auto see = [&](double t, const Vectors& x, const Box& box) {
+    if (settings.tensions && path->extension() == ".dcd") throw InputError(no_tensions(segments_[k]));
+    const auto see = [&](double t, const Vectors& x, const Box& box, const auto& file) {
       if (!frames_) frames_.emplace(*scene_, settings.atoms);
       frames_->add_frame(t + shifts_[k], x, box);
+      if constexpr (requires { file.tensions(); })
+        if (loads_) loads_->add_frame(t + shifts_[k], file.tensions());
     };
     for_each_frame(*scene_, *path, wanted, see);
   }
   if (!frames_) {
     no_frames_ = fmt::format("{}: no frame from {:g} ps on", name(), begin);
+    if (settings.tensions) throw InputError("--tensions: " + no_frames_);
     return;
   }
   const Estimate temperature = correlated_mean(window_of("temperature_k"));
@@ -223,6 +239,18 @@ void MeasuredRun::measure_frames(const MeasureSettings& settings) {
     frames_->set_viscosity({*settings.viscosity, 0}, temperature.value);
   else if (green_kubo_ && green_kubo_->flaw.empty())
     frames_->set_viscosity(green_kubo_->viscosity, temperature.value);
+}
+
+std::optional<std::array<Figure, 2>> MeasuredRun::held() const {
+  if (scene_->run.tension_of.empty()) return {};
+  std::array<Figure, 2> found;
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    const LogColumn& column = columns_of_held(scene_->run)[k];
+    const std::vector<double> y = window_of(column);
+    found[k] = {column.key, column.words, column.unit,
+                y.empty() ? Estimate{kUnknown, 0} : mean_with_error(y)};
+  }
+  return found;
 }
 
 std::vector<Figure> MeasuredRun::figures() const {
@@ -240,7 +268,7 @@ std::string MeasuredRun::in_words() const {
   else if (green_kubo_)
     text += fmt::format("  no viscosity: {}{}\n", green_kubo_->flaw, viscosity_rows_);
   if (stride_ > 1) text += fmt::format("of {} frames one is read\n", stride_);
-  return text + (frames_ ? frames_->in_words() : no_frames_ + "\n");
+  return text + (frames_ ? frames_->in_words() : no_frames_ + "\n") + (loads_ ? loads_->in_words() : "");
 }
 
 nlohmann::ordered_json MeasuredRun::json() const {
@@ -259,6 +287,7 @@ nlohmann::ordered_json MeasuredRun::json() const {
     json.update(frames_->json());
   else
     json["frames"] = 0;
+  if (loads_) json["tensions"] = loads_->json();
   return json;
 }
 
@@ -281,6 +310,7 @@ std::vector<Picture> MeasuredRun::pictures(const std::string& curve) const {
   std::vector<Picture> all;
   if (automatic_ && log_.has("potential_kj_mol")) all.push_back(equilibration_picture());
   if (frames_) std::ranges::copy(frames_->pictures(curve), std::back_inserter(all));
+  if (loads_) std::ranges::copy(loads_->pictures(), std::back_inserter(all));
   if (!green_kubo_ || green_kubo_->t.empty()) return all;
   std::string csv = "t_ps,correlation,correlation_error,viscosity_mpa_s,standard_error,cut_ps\n";
   for (std::size_t k = 0; k < green_kubo_->t.size(); ++k)

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
@@ -7,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "measures/bond_loads.hpp"
 #include "measures/figures.hpp"
 #include "measures/measured_frames.hpp"
 #include "measures/run_log.hpp"
@@ -21,6 +23,7 @@ struct MeasureSettings {
   std::optional<double> last;       // so much at the end is measured [ps]
   bool automatic = false;           // from where the run is equilibrated (base/series.hpp)
   std::optional<double> viscosity;  // for the correction of diffusion [mPa s]
+  bool tensions = false;            // the load of each bond, which trajectory.h5md has
   long most_frames = 0;             // of the window are read, evenly spaced; 0: all
 };
 
@@ -34,6 +37,8 @@ class MeasuredRun {
   std::string name() const { return segments_.front().string(); }
   double from_ps() const { return log_.column("time_ps")[first_row_]; }  // where the measured part begins
   std::vector<Figure> figures() const;
+  // The mean tension of the bonds of run.tension_of, and its metric weight, NaN where it has none.
+  std::optional<std::array<Figure, 2>> held() const;
   std::string in_words() const;  // lines
   nlohmann::ordered_json json() const;
   // Equilibration, what the frames show, viscosity: what there is. `curve` names the run in what frames show, where
@@ -66,6 +71,7 @@ class MeasuredRun {
   std::optional<GreenKubo> green_kubo_;  // in a box
   std::string viscosity_rows_;           // those it is of, where that is not all
   std::optional<MeasuredFrames> frames_;
+  std::optional<BondLoads> loads_;  // where asked for
   std::vector<std::string> doubts_;
   long stride_ = 1;
   std::string no_frames_;  // why there are none

@@ -11,6 +11,7 @@
 #include "ensembles/langevin.hpp"
 #include "ensembles/pressure.hpp"
 #include "md/velocity_verlet.hpp"
+#include "simulation/held_bonds.hpp"
 #include "simulation/metric_field.hpp"
 #include "simulation/simulation.hpp"
 
@@ -46,6 +47,7 @@ struct Simulation::Inner {
   Projector projector;
   DriftVelocity drift;
   std::optional<Barometer> barometer;  // in a box
+  std::optional<HeldBonds> held;       // of run.tension_of
   struct Note {
     std::string numbers;             // what serialize_numbers() kept
     ForceField::Evaluation besides;  // and what evaluating them gave besides

@@ -74,6 +74,24 @@ std::array<LogColumn, 2> columns_of(const Bias& bias, std::size_t number) {
                     .use = Use::kMean}};
 }
 
+std::array<LogColumn, 2> columns_of_held(const RunSettings& run) {
+  const std::size_t bonds = run.tension_of.size();
+  const std::string of = bonds == 1
+                             ? fmt::format("tension of {}-{}", run.tension_of[0][0], run.tension_of[0][1])
+                             : fmt::format("mean tension of {} bonds", bonds);
+  return {LogColumn{.title = "Tension (kJ/mole/nm)",
+                    .key = "tension_kj_mol_nm",
+                    .words = of,
+                    .unit = "kJ/mol/nm",
+                    .of = [](const Record& r) { return r.held ? r.held->tension : kUnknown; },
+                    .use = Use::kMean},
+          LogColumn{.title = "Metric Weight",
+                    .key = "metric_weight",
+                    .words = "metric weight of run.tension_of",
+                    .unit = run.metric_correction ? "nm" : "u^½",
+                    .of = [](const Record& r) { return r.held ? r.held->weight : kUnknown; }}};
+}
+
 std::vector<LogColumn> log_columns(const Scene& scene) {
   std::vector<LogColumn> columns = common_columns();
   const bool in_box = scene.start.box.periodic();
@@ -101,6 +119,8 @@ std::vector<LogColumn> log_columns(const Scene& scene) {
                        .use = Use::kMean});
   for (std::size_t b = 0; b < scene.terms.biases.size(); ++b)
     std::ranges::copy(columns_of(scene.terms.biases[b], b), std::back_inserter(columns));
+  if (!scene.run.tension_of.empty())
+    std::ranges::copy(columns_of_held(scene.run), std::back_inserter(columns));
   return columns;
 }
 

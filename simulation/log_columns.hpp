@@ -31,7 +31,8 @@ struct LogColumn {
 const std::vector<LogColumn>& common_columns();
 // That of a key. Throws std::out_of_range.
 const LogColumn& common_column(std::string_view key);
-// Those of a scene: the common ones, and those of its walls, steered atoms, pulls that change in time and biases.
+// Those of a scene: the common ones, and those of its walls, steered atoms, pulls that change in time, biases and bonds of
+// run.tension_of.
 std::vector<LogColumn> log_columns(const Scene& scene);
 // Those that log.csv has of a scene, and its first line.
 std::vector<LogColumn> columns_of_file(const Scene& scene);
@@ -41,5 +42,7 @@ std::string row_of(const std::vector<LogColumn>& columns, const Record& record);
 
 // Of a bias: its variable, and the force along it.
 std::array<LogColumn, 2> columns_of(const Bias& bias, std::size_t number);
+// Of the bonds of run.tension_of: their mean tension, and its metric weight (simulation/held_bonds.hpp).
+std::array<LogColumn, 2> columns_of_held(const RunSettings& run);
 
 }  // namespace taut

@@ -103,6 +103,7 @@ Simulation::Simulation(Scene scene, const ThreadScope&, const Listen& listen)
   if (state_.box.periodic()) inner_->barometer.emplace(sys, has_springs());
   count_degrees_of_freedom(fixed_motions(scene_, state_.x, state_.v));
   make_barostat();
+  if (!scene_.run.tension_of.empty()) inner_->held.emplace(sys, scene_.run);
   unaccounted_at_start_ = unaccounted();
 }
 
@@ -256,6 +257,13 @@ Eigen::VectorXd Simulation::bond_tensions() const {
   else
     lambda = inner_->projector.multipliers(sys, {state_.x, state_.v, state_.F, state_.t, state_.box});
   return tensions(full_, least_norm_multipliers(full_, state_.x, redundancy_.redundant, lambda));
+}
+
+// As temperatures and the pressure, of the velocity of the drift, whose mean square is the bath's at any step.
+HeldTension Simulation::held_tension(const Vectors& thermal) const {
+  if (has_springs()) return inner_->held->of(method_->lambda(), nullptr);
+  const State now{state_.x, thermal, state_.F, state_.t, state_.box};
+  return inner_->held->of(inner_->projector.multipliers(scene_.system, now), &inner_->projector);
 }
 
 Energies Simulation::energies() const {

@@ -33,6 +33,13 @@ inline std::array<double, 6> six_of(const Eigen::Matrix3d& t) {
 
 inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
+// Of the bonds of run.tension_of, the mean over them (simulation/held_bonds.hpp).
+struct HeldTension {
+  double tension = kUnknown;  // [kJ/mol/nm]
+  double weight =
+      kUnknown;  // √μ [√u]; under the metric correction d [nm]; none where the distribution has no such form
+};
+
 // One row of the log; simulation/log_columns.hpp names its numbers.
 struct Record {
   long step = 0;
@@ -60,6 +67,7 @@ struct Record {
       steering_force;               // mean over steered atoms, or over pulls that change in time [kJ/mol/nm]
   std::vector<BiasReading> biases;  // of an angle or torsion in degrees
   std::optional<double> bath_temperature;  // of the thermostat [K]
+  std::optional<HeldTension> held;         // where run.tension_of asks for it
 
   double total() const { return potential + kinetic; }
   // What neither thermostat nor barostat nor a steered atom's spring brought.
@@ -251,6 +259,7 @@ class Simulation {
   Record record(const Vectors& thermal) const;
   Record full_record(const Vectors& thermal) const;
   std::optional<Eigen::Matrix3d> pressure_tensor(const Vectors& thermal) const;
+  HeldTension held_tension(const Vectors& thermal) const;
   class Stopwatch;
   void size_sums();
   struct LogSums {  // over the rows of the log

@@ -109,6 +109,7 @@ Record Simulation::full_record(const Vectors& thermal) const {
     r.steering_work = inner_->ensemble.steering->work() - steering_work_at_start_;
     if (scene_.terms.steered_in_time()) r.steering_force = inner_->forces.besides.steering.force;
   }
+  if (inner_->held) r.held = held_tension(thermal);
   r.constraint_work = unaccounted(r.kinetic) - unaccounted_at_start_;
   if (const auto tensor = pressure_tensor(thermal)) {
     r.pressure_tensor = *tensor;

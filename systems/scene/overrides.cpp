@@ -54,7 +54,7 @@ void collect(const toml::table& table, const std::string& above, KeyValues& valu
   }
 }
 
-// Merges overrides into elements of an array, which they name by numbers from 0 on: place.0.count.
+// Merges overrides into elements of an array, which they name by numbers from 0 on: place.0.count, bonds.0.2.
 void overwrite_elements(toml::array& base, toml::table&& upper) {
   for (auto&& [name, node] : upper) {
     const std::string_view number = name.str();
@@ -65,6 +65,8 @@ void overwrite_elements(toml::array& base, toml::table&& upper) {
                                      *node.source().path, toml_quoted(number), base.size()));
     if (base[k].is_table() && node.is_table())
       overwrite(*base[k].as_table(), std::move(*node.as_table()));
+    else if (base[k].is_array() && node.is_table())
+      overwrite_elements(*base[k].as_array(), std::move(*node.as_table()));
     else
       node.visit([&](auto& value) {
         base.replace(base.cbegin() + static_cast<std::ptrdiff_t>(k), std::move(value));

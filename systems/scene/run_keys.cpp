@@ -1,5 +1,10 @@
 #include "systems/scene/run_keys.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
 #include "files/h5md_file.hpp"
 #include "systems/scene/velocities.hpp"
 
@@ -7,6 +12,7 @@ namespace taut {
 namespace {
 
 constexpr Range kCounts{.min = 1};
+constexpr double kMostAtoms = 1e9;
 
 void read_temperature(const TomlTable& table, RunSettings& run) {
   Course course = run.temperature_course;
@@ -39,6 +45,20 @@ void read_barostat(const TomlTable& table, RunSettings& run) {
                          {"barostat"});
   for (const char* key : {"barostat_ps", "compressibility_per_bar", "coupling"})
     table.require_effect(key, run.barostat == "c-rescale", "with run.barostat = \"c-rescale\"", {"barostat"});
+}
+
+void read_tensions(const TomlTable& table, RunSettings& run) {
+  Rows pairs;
+  const bool there =
+      table.read("tension_of", pairs, {2, 2},
+                 {"rigid bonds [i, j] whose mean tension the log has, atoms counted from 0, -1 is the last"});
+  if (there) run.tension_of.clear();
+  for (std::size_t row = 0; row < pairs.size(); ++row) {
+    for (const double atom : pairs[row])
+      if (atom != std::round(atom) || std::abs(atom) > kMostAtoms)
+        table.fail("tension_of", row, fmt::format("there is no atom {:g}", atom));
+    run.tension_of.push_back({static_cast<int>(pairs[row][0]), static_cast<int>(pairs[row][1])});
+  }
 }
 
 // Of keys that contradict each other the first that an override gives, or else the last that is there.
@@ -104,6 +124,7 @@ void read_run(const TomlTable& table, RunSettings& run) {
        "chains"});
   if (run.metric_correction && run.temperature_k == 0)
     table.fail("metric_correction", "needs a run.temperature_k above 0, as 300");
+  read_tensions(table, run);
   table.read("velocities", run.velocities,
              {"those of the start, or drawn; if not said, drawn where it has none", {"keep", "draw"}});
 
@@ -130,6 +151,40 @@ void read_run(const TomlTable& table, RunSettings& run) {
 void settle_pulls(const TomlTable& run, Scene& scene) {
   run.require_effect("pull_factor", !scene.terms.pulls.empty(), "with pulls");
   scene.terms.pull_factor = scene.run.pull_factor;
+}
+
+void settle_tensions(const TomlTable& run, Scene& scene) {
+  const System& sys = scene.system;
+  const auto one_sided = [&](int i, int j) {
+    return std::ranges::any_of(
+        sys.one_sided, [&](const OneSidedBond& b) { return std::minmax(b.i, b.j) == std::minmax(i, j); });
+  };
+  std::vector<std::array<int, 2>>& pairs = scene.run.tension_of;
+  for (std::size_t row = 0; row < pairs.size(); ++row) {
+    for (int& atom : pairs[row]) {
+      if (atom < -sys.atoms() || atom >= sys.atoms())
+        run.fail("tension_of", row, fmt::format("there is no atom {} of {}", atom, sys.atoms()));
+      if (atom < 0) atom += sys.atoms();
+    }
+    const auto [i, j] = pairs[row];
+    if (one_sided(i, j))
+      run.fail("tension_of", row,
+               fmt::format("a strut or rope is between {} and {}; expected a rigid bond, of which there is "
+                           "the tension at every instant",
+                           i, j));
+    const auto bond = std::ranges::find_if(
+        sys.bonds, [&](const RigidBond& b) { return std::minmax(b.i, b.j) == std::minmax(i, j); });
+    if (bond == sys.bonds.end())
+      run.fail("tension_of", row,
+               fmt::format("no rigid bond is between {} and {}; to hold their distance give it as "
+                           "molecule.NAME.bonds (build.bonds, a constraint of the System)",
+                           i, j));
+    pairs[row] = {bond->i, bond->j};
+    if (std::ranges::count(pairs.begin(), pairs.begin() + static_cast<std::ptrdiff_t>(row), pairs[row]) > 0)
+      run.fail("tension_of", row, fmt::format("{}-{} is there twice", i, j));
+  }
+  if (!pairs.empty() && !sys.one_sided.empty())
+    run.fail("tension_of", "what ropes and struts take over would be missing from it; leave the key out");
 }
 
 void settle_velocities(const TomlTable& run, bool another_start, Scene& scene) {

@@ -14,6 +14,9 @@ void read_run(const TomlTable& table, RunSettings& run);
 // Gives the pulls their course in time; refuses a course without pulls.
 void settle_pulls(const TomlTable& run, Scene& scene);
 
+// Finds the bonds of run.tension_of; refuses pairs of atoms that no rigid bond holds.
+void settle_tensions(const TomlTable& run, Scene& scene);
+
 // Keeps or draws the velocities. A run.temperature_k without effect is refused, unless it is the file's and overrides
 // have replaced what it was for: the start (`another_start`), the thermostat or the velocities.
 void settle_velocities(const TomlTable& run, bool another_start, Scene& scene);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -43,6 +44,7 @@ struct RunSettings {
   bool minimise = false;    // minimise the energy of the start first (simulation/minimise.hpp)
   bool metric_correction = false;  // Fixman's potential at temperature_k (constraints/metric_potential.hpp)
   double minimise_force = 1000;    // largest force on an atom at which the minimiser stops [kJ/mol/nm]
+  std::vector<std::array<int, 2>> tension_of;  // atoms of rigid bonds whose tension the log has
 
   double bath_temperature(double t) const {
     return temperature_course.empty() ? temperature_k : temperature_course.at(t);

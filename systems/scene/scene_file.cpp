@@ -199,6 +199,7 @@ Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::tab
   if (one_sided) refuse_for_one_sided(root, run_keys, scene);
   for (const auto* name : file_names(base)) scene.files.push_back(path_of(*name));
   settle_pulls(run_keys, scene);
+  settle_tensions(run_keys, scene);
   settle_velocities(run_keys, another_start, scene);
   check_barostat(run_keys, scene);
   note_what_is_not_balanced(scene);
@@ -305,6 +306,7 @@ void apply_overrides(Scene& scene, const std::vector<std::string>& overrides, Ke
   root.reject_unknown();
   const TomlTable run = root.section("run");
   settle_pulls(run, scene);
+  settle_tensions(run, scene);
   if (root.has("run")) settle_velocities(run, false, scene);
   if (!run.has("barostat") && !scene.run.thermostatted()) scene.run.barostat = "none";  // an imported one
   check_barostat(run, scene);

@@ -20,7 +20,8 @@ KINDS = {"work": charts.work, "drift": charts.drift, "order": charts.order, "len
          "samples": beside.crosscheck,
          "courses": beside.courses, "run": runs.run, "scan": measured.scan, "each_run": measured.each_run,
          "equilibration": measured.equilibration, "distances": measured.distances, "displacement": measured.displacement,
-         "relaxation": measured.relaxation, "viscosity": measured.viscosity}
+         "relaxation": measured.relaxation, "viscosity": measured.viscosity, "loads": measured.loads,
+         "loads_in_time": measured.loads_in_time, "mean_force": measured.mean_force}
 
 
 def expect_matplotlib(draw: Union[int, bool]) -> None:
@@ -33,7 +34,8 @@ def draw(kind: str, tables: Mapping[str, Table], size: Union[int, bool] = 170, t
     """Returns matplotlib's figure of a table.
 
     - ``kind``: "work", "drift", "order", "length", "precision", "plane", "steps", "crosscheck", "courses", "run",
-      "scan", "each_run", "equilibration", "distances", "displacement", "relaxation" or "viscosity"
+      "scan", "each_run", "equilibration", "distances", "displacement", "relaxation", "viscosity", "loads",
+      "loads_in_time" or "mean_force"
     - ``tables``: the table of that name, and those that belong to it ("limits" to "plane")
     - ``size``: its width [mm], 85 or 170; True is 170
     """

@@ -147,6 +147,50 @@ def draw_viscosity(page: Page, axis: Any, table: Table) -> None:
     axis.set(xlabel="t [ps]", title=TITLES["viscosity"], ylim=(0, None))
 
 
+def draw_loads(page: Page, axis: Any, table: Table) -> None:
+    bond, mean, error, least, most = (numbers(table, name) for name in (
+        "bond", "tension_kj_mol_nm", "standard_error", "least_kj_mol_nm", "most_kj_mol_nm"))
+    axis.fill_between(bond, least, most, step="mid", color=HUES[5], alpha=0.4, lw=0)
+    axis.errorbar(bond, mean, error, color=HUES[0], marker="o", markersize=2.5 if len(bond) < 200 else 1, linestyle="none",
+                  elinewidth=0.7)
+    axis.axhline(0, color="#777777", lw=0.5)
+    if len(bond) <= 24:
+        axis.set_xticks(bond, texts(table, "atoms"), rotation=90 if len(bond) > 8 else 0)
+    axis.set(xlabel="bond, by its atoms" if len(bond) <= 24 else "bond", title="tension [kJ/mol/nm]",
+             xlim=(bond.min() - 0.5, bond.max() + 0.5))
+
+
+def draw_loads_in_time(page: Page, axis: Any, table: Table) -> None:
+    of, t, tension = texts(table, "run"), numbers(table, "t_ps"), numbers(table, "tension_kj_mol_nm")
+    ends = []
+    for n, name in enumerate(each(of)):
+        curve = line_of(look("", n), lw=0.8)
+        axis.plot(t[of == name], tension[of == name], **curve)
+        ends.append((t[of == name][-1], tension[of == name][-1], f"bond {name}", curve["color"]))
+    axis.margins(x=0)
+    page.name_ends(axis, ends)
+    axis.set(xlabel="t [ps]", title="tension [kJ/mol/nm]")
+
+
+def mean_force(tables: Mapping[str, Table], width_mm: int, title: str) -> Any:
+    """The mean tension of a bond along its length, and the potential that it integrates to; bars and bands: errors."""
+    table = tables["mean_force"]
+    of, d = texts(table, "run"), numbers(table, "length_nm")
+    page = Page(2, width_mm, columns=2, height_mm=60, title=title)
+    for axis, y, error, name in zip(page.axes, ("tension_kj_mol_nm", "potential_kj_mol"), ("tension_error", "standard_error"),
+                                    ("mean tension [kJ/mol/nm]", "potential of mean force [kJ/mol]")):
+        ends = []
+        for n, curve_of in enumerate(each(of)):
+            at, curve = of == curve_of, look("", n)
+            axis.errorbar(d[at], numbers(table, y)[at], numbers(table, error)[at], elinewidth=0.7, **curve)
+            ends.append((d[at][-1], numbers(table, y)[at][-1], curve_of, curve["color"]))
+        if len(ends) > 1:
+            page.name_ends(axis, ends)
+        axis.axhline(0, color="#777777", lw=0.5)
+        axis.set(xlabel="length [nm]", title=name)
+    return page.finish()
+
+
 def draw_equilibration(page: Page, axis: Any, table: Table) -> None:
     t, out, measured = (numbers(table, name) for name in ("t_ps", "left_out_kj_mol", "measured_kj_mol"))
     axis.plot(t, out, color=HUES[1], ls=(0, (3, 1)))
@@ -176,4 +220,5 @@ def _alone(name: str, draw: Draw) -> Callable[[Mapping[str, Table], int, str], A
 
 equilibration = _alone("equilibration", draw_equilibration)
 distances, displacement = _alone("distances", draw_distances), _alone("displacement", draw_displacement)
+loads, loads_in_time = _alone("loads", draw_loads), _alone("loads_in_time", draw_loads_in_time)
 relaxation, viscosity = _alone("relaxation", draw_relaxation), _alone("viscosity", draw_viscosity)

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <vector>
+
+#include "base/statistics.hpp"
+
+namespace taut {
+
+// A distance held rigid at one length, and what a run there gives (simulation/held_bonds.hpp).
+struct HeldLength {
+  double length;     // d [nm]
+  Estimate tension;  // τ, above 0 where the bond pulls its atoms together [kJ/mol/nm]
+  Estimate weight;   // w = √μ, or d
+};
+
+// What the mean force along a distance integrates to, 0 at the longest d. Errors are those of the difference to it:
+//     held = −∫⟨τ⟩dd             free energy of the system that is held: thermodynamic integration along a bond's length
+//     distribution = −kT ln P(d) = held − kT ln⟨w⟩
+//     potential = −kT ln(P(d)/d²) = distribution + 2kT ln d    of mean force, 0 where atoms do not act on each other
+struct FreeEnergies {
+  HeldLength at;
+  Estimate held, distribution, potential;  // [kJ/mol]
+};
+
+// `lengths`: two or more, ascending, each once. Between two of them ⟨τ⟩ is the cubic through the four nearest, of three
+// or two lengths the parabola or the line through all.
+std::vector<FreeEnergies> integrate_mean_force(const std::vector<HeldLength>& lengths, double kT);
+
+// How much the potential would change if every other length were left out, at the lengths that remain, the most of them,
+// beside which errors of ⟨τ⟩ between the lengths are small; 0 for fewer than five lengths [kJ/mol].
+double change_without_every_other(const std::vector<FreeEnergies>& all, double kT);
+
+}  // namespace taut
