@@ -193,6 +193,8 @@ void print_summary(const Simulation& simulation, const Summary& s, bool stepped)
     say("{} {} {}, force {} {}\n", value.words, with_error(s.biases[b].value, 4), value.unit,
         with_error(s.biases[b].force, 3), force.unit);
   }
+  if (s.tension)
+    say("{} {} kJ/mol/nm\n", columns_of_held(simulation.scene().run)[0].words, with_error(*s.tension, 3));
   if (s.steering_work) say("work of the moving springs {:.6g} kJ/mol\n", *s.steering_work);
   if (simulation.scene().run.barostatted())
     say("density {} kg/m³, volume {} nm³\n", with_error(s.density, 2), with_error(s.volume, 4));

@@ -104,7 +104,9 @@ void ask_for_mean_force(ScanArguments& arguments, const std::vector<ScanPoint>& 
     for (const auto& [key, value] : point.values) one.settings.push_back(key + "=" + value);
     scenes.push_back(one.read());
   }
-  const std::vector<std::array<int, 2>> varied = bonds_of_several_lengths(scenes);
+  std::vector<const Scene*> along;
+  for (const Scene& scene : scenes) along.push_back(&scene);
+  const std::vector<std::array<int, 2>> varied = bonds_of_several_lengths(along);
   if (varied.empty())
     throw InputError(
         "--pmf: no rigid bond has several lengths; expected --vary of one, as in "
@@ -115,8 +117,10 @@ void ask_for_mean_force(ScanArguments& arguments, const std::vector<ScanPoint>& 
     arguments.settings.push_back(fmt::format("run.tension_of=[{}]", pairs));
     for (Scene& scene : scenes) scene.run.tension_of = varied;
   }
-  for (const Scene& scene : scenes)
-    if (const std::string flaw = flaw_of_mean_force(scene); !flaw.empty()) throw InputError("--pmf: " + flaw);
+  std::string flaw = flaw_of_lengths(along);
+  for (const Scene* scene : along)
+    if (flaw.empty()) flaw = flaw_of_mean_force(*scene);
+  if (!flaw.empty()) throw InputError("--pmf: " + flaw);
 }
 
 // The runs of all points. Reads each point's scene once, so that a wrong value is refused before anything runs.

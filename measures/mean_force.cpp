@@ -64,8 +64,7 @@ std::vector<FreeEnergies> integrate_mean_force(const std::vector<HeldLength>& le
 }
 
 double change_without_every_other(const std::vector<FreeEnergies>& all, double kT) {
-  constexpr std::size_t kLeast = 5;
-  if (all.size() < kLeast) return 0;
+  if (all.size() < kLengthsToJudge) return 0;
   std::vector<HeldLength> fewer;
   std::vector<double> before;
   for (std::size_t back = 0; back < all.size(); back += 2) {  // the longest, at which all are 0, stays

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "base/statistics.hpp"
@@ -27,7 +28,8 @@ struct FreeEnergies {
 std::vector<FreeEnergies> integrate_mean_force(const std::vector<HeldLength>& lengths, double kT);
 
 // How much the potential would change if every other length were left out, at the lengths that remain, the most of them,
-// beside which errors of ⟨τ⟩ between the lengths are small; 0 for fewer than five lengths [kJ/mol].
+// beside which errors of ⟨τ⟩ between the lengths are small; 0 for fewer than kLengthsToJudge [kJ/mol].
+constexpr std::size_t kLengthsToJudge = 5;
 double change_without_every_other(const std::vector<FreeEnergies>& all, double kT);
 
 }  // namespace taut

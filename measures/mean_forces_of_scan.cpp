@@ -71,13 +71,16 @@ std::set<std::string> keys_of_length(const std::vector<RunGroup>& groups) {
 
 // One point from the runs of a group, which differ by their seed.
 HeldLength point_of(const RunGroup& group) {
+  constexpr double kRounding = 1e-9;
   std::vector<std::vector<Figure>> runs;
   for (const MeasuredRun& run : group.runs) {
     const auto held = run.held();
     runs.emplace_back(held->begin(), held->end());
   }
   const std::vector<OverSeeds> both = over_seeds(runs);
-  return {length_of(group.runs.front().scene()), both[0].figure.value, both[1].figure.value};
+  HeldLength point{length_of(group.runs.front().scene()), both[0].figure.value, both[1].figure.value};
+  if (point.weight.error < kRounding * point.weight.value) point.weight.error = 0;  // it is constant
+  return point;
 }
 
 std::string flaw_of_points(const std::vector<HeldLength>& lengths) {
@@ -136,17 +139,35 @@ std::string flaw_of_mean_force(const Scene& scene) {
   return "";
 }
 
-std::vector<std::array<int, 2>> bonds_of_several_lengths(const std::vector<Scene>& scenes) {
-  std::vector<std::array<int, 2>> varied;
+std::string flaw_of_lengths(const std::vector<const Scene*>& scenes) {
+  const System& first = scenes.front()->system;
   const auto same_atoms = [](const RigidBond& a, const RigidBond& b) { return a.i == b.i && a.j == b.j; };
-  const std::vector<RigidBond>& bonds = scenes.front().system.bonds;
-  for (const Scene& scene : scenes)
-    if (!std::ranges::equal(scene.system.bonds, bonds, same_atoms))
-      throw InputError(
-          "--pmf: the values of --vary change which atoms are bonded; vary a bond's length alone");
+  for (const Scene* scene : scenes)
+    if (scene->system.atoms() != first.atoms() ||
+        !std::ranges::equal(scene->system.bonds, first.bonds, same_atoms))
+      return fmt::format(
+          "the values change which atoms are bonded ({} atoms with {} bonds, then {} with {}); vary a bond's "
+          "length "
+          "alone, and give every [[place]] its count, water too",
+          first.atoms(), first.bond_count(), scene->system.atoms(), scene->system.bond_count());
+  const std::vector<std::array<int, 2>> varied = bonds_of_several_lengths(scenes);
+  const auto& asked = scenes.front()->run.tension_of;
+  for (const auto& [i, j] : varied)
+    if (std::ranges::count(asked, std::array{i, j}) == 0)
+      return fmt::format("bond {}-{}, which run.tension_of does not name, changes its length, too", i, j);
+  for (const auto& [i, j] : asked)
+    if (std::ranges::count(varied, std::array{i, j}) == 0)
+      return fmt::format("run.tension_of: {}-{} has one length; vary it, or leave it out", i, j);
+  return "";
+}
+
+std::vector<std::array<int, 2>> bonds_of_several_lengths(const std::vector<const Scene*>& scenes) {
+  std::vector<std::array<int, 2>> varied;
+  const std::vector<RigidBond>& bonds = scenes.front()->system.bonds;
   for (std::size_t k = 0; k < bonds.size(); ++k)
-    if (std::ranges::any_of(scenes,
-                            [&](const Scene& s) { return s.system.bonds[k].length != bonds[k].length; }))
+    if (std::ranges::any_of(scenes, [&](const Scene* s) {
+          return k < s->system.bonds.size() && s->system.bonds[k].length != bonds[k].length;
+        }))
       varied.push_back({bonds[k].i, bonds[k].j});
   return varied;
 }
@@ -183,8 +204,12 @@ std::vector<MeanForces> mean_forces(const std::vector<RunGroup>& groups) {
                   .corrected = corrected_in(scene),
                   .flaw = {},
                   .lengths = {}};
-    for (const RunGroup* group : curve.groups)
-      if (of.flaw.empty()) of.flaw = flaw_of_mean_force(group->runs.front().scene());
+    std::vector<const Scene*> scenes;
+    for (const RunGroup* group : curve.groups) {
+      scenes.push_back(&group->runs.front().scene());
+      if (of.flaw.empty()) of.flaw = flaw_of_mean_force(*scenes.back());
+    }
+    if (of.flaw.empty()) of.flaw = flaw_of_lengths(scenes);
     if (of.flaw.empty()) of.flaw = flaw_of_points(lengths);
     if (of.flaw.empty()) of.lengths = integrate_mean_force(lengths, of.kT);
     all.push_back(std::move(of));
@@ -213,14 +238,16 @@ std::string in_words(const MeanForces& of, int width) {
           "\n";
   double error = 0;
   for (const FreeEnergies& e : of.lengths) error = std::max(error, e.potential.error);
-  if (const double change = change_without_every_other(of.lengths, of.kT); change > 2 * error)
+  const double change = change_without_every_other(of.lengths, of.kT);
+  if (of.lengths.size() < kLengthsToJudge)
+    text += fmt::format("  {} cannot tell whether they are near enough to each other; {} or more do\n",
+                        counted(std::ssize(of.lengths), "length"), kLengthsToJudge);
+  else if (change > 2 * error)
     text +=
-        wrapped(
-            fmt::format(
-                "  in doubt: without every other length the potential would be another by {:.2g} kJ/mol; add "
-                "lengths where the tension changes most",
-                change),
-            width, 4) +
+        wrapped(fmt::format("  in doubt: without every other length the potential would be another by {:.2g} "
+                            "kJ/mol; add lengths where the tension changes most",
+                            change),
+                width, 4) +
         "\n";
   return text;
 }

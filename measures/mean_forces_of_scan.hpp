@@ -30,9 +30,11 @@ std::vector<MeanForces> mean_forces(const std::vector<RunGroup>& groups);
 // Returns what keeps a scene from having a potential of mean force along the bonds of run.tension_of, or an empty text.
 std::string flaw_of_mean_force(const Scene& scene);
 
-// Returns the atoms of the rigid bonds that have not the same length in all of these scenes. Throws InputError where they
-// do not have the same bonds.
-std::vector<std::array<int, 2>> bonds_of_several_lengths(const std::vector<Scene>& scenes);
+// The same of scenes along the length: they must have the same bonds, of which those of run.tension_of alone differ.
+std::string flaw_of_lengths(const std::vector<const Scene*>& scenes);
+
+// Returns the atoms of the rigid bonds that have not the same length in all of these scenes.
+std::vector<std::array<int, 2>> bonds_of_several_lengths(const std::vector<const Scene*>& scenes);
 
 std::string in_words(const MeanForces& of, int width);
 nlohmann::ordered_json json_of(const MeanForces& of);

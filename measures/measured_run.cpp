@@ -125,7 +125,8 @@ void MeasuredRun::choose_window(const MeasureSettings& settings) {
     std::size_t row = 0;
     const EvenMeans even(t);
     for (const char* key : {"potential_kj_mol", "volume_nm3"})
-      if (log_.has(key) && varies(log_.column(key))) row = std::max(row, even.first_sample(equilibration_end(even.of(log_.column(key)))));
+      if (log_.has(key) && varies(log_.column(key)))
+        row = std::max(row, even.first_sample(equilibration_end(even.of(log_.column(key)))));
     why = fmt::format("; equilibrated from there on by Chodera's rule (most independent samples of energy{})",
                       log_.has("volume_nm3") ? " and volume" : "");
     if (row > t.size() / 2)
@@ -243,11 +244,11 @@ void MeasuredRun::measure_frames(const MeasureSettings& settings) {
 
 std::optional<std::array<Figure, 2>> MeasuredRun::held() const {
   if (scene_->run.tension_of.empty()) return {};
+  const std::array<LogColumn, 2> columns = columns_of_held(scene_->run);
   std::array<Figure, 2> found;
   for (std::size_t k = 0; k < found.size(); ++k) {
-    const LogColumn& column = columns_of_held(scene_->run)[k];
-    const std::vector<double> y = window_of(column);
-    found[k] = {column.key, column.words, column.unit,
+    const std::vector<double> y = window_of(columns[k]);
+    found[k] = {columns[k].key, columns[k].words, columns[k].unit,
                 y.empty() ? Estimate{kUnknown, 0} : mean_with_error(y)};
   }
   return found;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 
@@ -15,13 +16,14 @@ HeldBonds::HeldBonds(const System& sys, const RunSettings& run)
     : all_bonds_(sys.bond_count()), metric_correction_(run.metric_correction) {
   const std::vector<int> cluster = clusters_of_bonds(sys);
   std::set<int> clusters;
-  for (const auto& [i, j] : run.tension_of) {
-    const auto at = std::ranges::find_if(sys.bonds, [&](const RigidBond& b) { return b.i == i && b.j == j; });
+  for (const std::array<int, 2>& atoms : run.tension_of) {
+    const auto at = std::ranges::find_if(
+        sys.bonds, [&](const RigidBond& b) { return b.i == atoms[0] && b.j == atoms[1]; });
     if (at == sys.bonds.end())
       throw InputError(fmt::format(
           "run.tension_of: the bond {}-{} follows from others and was dropped, so that it has no tension of "
           "its own; take another bond",
-          i, j));
+          atoms[0], atoms[1]));
     bonds_.push_back(static_cast<int>(at - sys.bonds.begin()));
     length_.push_back(at->length);
     clusters.insert(cluster[static_cast<std::size_t>(bonds_.back())]);

@@ -81,6 +81,7 @@ ordered_json summary_json(const Simulation& simulation, const Summary& s) {
   if (!s.timings.parts.empty()) object["timings"] = timings_json(s.timings);
   for (const Estimate& wall : s.walls)
     object[s.pressure ? "wall_pressures_bar" : "wall_forces_kj_mol_nm"].push_back(json_of(wall));
+  if (s.tension) object["tension_kj_mol_nm"] = json_of(*s.tension);
   if (s.steering_work) object["steering_work_kj_mol"] = *s.steering_work;
   for (std::size_t b = 0; b < s.biases.size(); ++b) {
     const Bias& bias = scene.terms.biases[b];

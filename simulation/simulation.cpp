@@ -135,6 +135,7 @@ void Simulation::bring_to_the_bonds(const MinimiseGoal& goal, const OnMove& on_m
 void Simulation::size_sums() {
   sums_.walls.resize(scene_.terms.walls.size());
   sums_.biases.resize(scene_.terms.biases.size());
+  sums_.tension.resize(scene_.run.tension_of.empty() ? 0 : 1);
 }
 
 // From here on, of the log's rows and of the energy's account.
@@ -257,13 +258,6 @@ Eigen::VectorXd Simulation::bond_tensions() const {
   else
     lambda = inner_->projector.multipliers(sys, {state_.x, state_.v, state_.F, state_.t, state_.box});
   return tensions(full_, least_norm_multipliers(full_, state_.x, redundancy_.redundant, lambda));
-}
-
-// As temperatures and the pressure, of the velocity of the drift, whose mean square is the bath's at any step.
-HeldTension Simulation::held_tension(const Vectors& thermal) const {
-  if (has_springs()) return inner_->held->of(method_->lambda(), nullptr);
-  const State now{state_.x, thermal, state_.F, state_.t, state_.box};
-  return inner_->held->of(inner_->projector.multipliers(scene_.system, now), &inner_->projector);
 }
 
 Energies Simulation::energies() const {

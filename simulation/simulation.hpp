@@ -131,6 +131,7 @@ struct Summary {
     long lost = 0;          // rows in which it did not act for want of a direction
   };
   std::vector<OfBias> biases;
+  std::optional<Estimate> tension;      // of the bonds of run.tension_of [kJ/mol/nm]
   std::optional<double> steering_work;  // as in the last row [kJ/mol]
   double potential = 0, total = 0;      // at the end [kJ/mol]
   std::optional<bool> converged;    // every step to twice the error the method promises; none: promises none
@@ -274,6 +275,7 @@ class Simulation {
       void serialize(Archive& archive) { archive(value, force, lost); }
     };
     std::vector<OfBias> biases;
+    std::vector<RunningMean> tension;        // of run.tension_of: one, if it is given
     long rows = 0, last_row = 0, steps = 0;  // each row stands for the steps since the one before it
     double largest_error = 0, largest_residual = 0, squares = 0;
     double first_t = 0, first_energy = 0, first_temperature = 0;  // of the first row; but for the heat; of v
@@ -285,6 +287,7 @@ class Simulation {
       for (RunningMean& mean : pressure_tensor) archive(mean);
       archive(walls);
       for (OfBias& bias : biases) archive(bias);
+      for (RunningMean& mean : tension) archive(mean);
     }
   };
 

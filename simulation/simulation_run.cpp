@@ -73,6 +73,7 @@ void Simulation::LogSums::add(const Record& r, double residual, long since) {
     biases[b].force.add(r.biases[b].force, since);
     biases[b].lost += r.biases[b].lost;
   }
+  for (RunningMean& mean : tension) mean.add(r.held->tension, since);
   if (!r.pressure) return;
   pressure.add(*r.pressure, since);
   volume.add(r.volume, since);
@@ -90,6 +91,13 @@ double Simulation::per_ns_and_dof() const {
 long Simulation::steps_since_row() const {
   if (progress_.step > sums_.last_row) return progress_.step - sums_.last_row;
   return std::clamp(scene_.run.steps - progress_.step, 1L, scene_.run.log_every);
+}
+
+// As temperatures and the pressure, of the velocity of the drift, whose mean square is the bath's at any step.
+HeldTension Simulation::held_tension(const Vectors& thermal) const {
+  if (has_springs()) return inner_->held->of(method_->lambda(), nullptr);
+  const State now{state_.x, thermal, state_.F, state_.t, state_.box};
+  return inner_->held->of(inner_->projector.multipliers(scene_.system, now), &inner_->projector);
 }
 
 Record Simulation::full_record(const Vectors& thermal) const {
@@ -290,6 +298,7 @@ Summary Simulation::summary(const Record& end, double seconds, const PartMeter& 
   for (const RunningMean& wall : sums_.walls) s.walls.push_back(wall.estimate());
   for (const auto& [value, force, lost] : sums_.biases)
     s.biases.push_back({value.estimate(), force.estimate(), lost});
+  for (const RunningMean& mean : sums_.tension) s.tension = mean.estimate();
   s.steering_work = end.steering_work;
   s.potential = end.potential;
   s.total = end.total();

@@ -206,3 +206,23 @@ def test_what_is_no_system():
         taut.Simulation.from_openmm("nowhere.xml", "nowhere.xml")
     with pytest.raises(taut.InputError, match="^openmm.system.xml:"):
         taut.Simulation.from_openmm("<System", "<State/>")
+
+
+def test_held_ions_pull_with_openmms_forces():
+    """Between atoms without other bonds the tension is τ = μ((F₁/m₁ − F₀/m₀)·n + |v₁ − v₀|²/d), F by OpenMM."""
+    with taut.Simulation({
+            "molecule": {"ions": {"atoms": [{"name": "NA", "mass_u": 23, "charge_e": 1, "sigma_nm": 0.24, "epsilon_kj_mol": 0.4},
+                                            {"name": "CL", "mass_u": 35.5, "charge_e": -1, "sigma_nm": 0.45, "epsilon_kj_mol": 0.15}],
+                                  "bonds": [[0, 1, 0.3]], "exclude": "none"}},
+            "place": [{"molecule": "ions", "count": 1}, {"molecule": "tip3p", "count": 60}],
+            "build": {"box_nm": 1.4}, "forcefield": {"cutoff_nm": 0.65},
+            "run": {"dt_fs": 1, "temperature_k": 300, "minimise": True, "tension_of": [[0, 1]], "log_every": 10}}) as sim:
+        sim.run(20)
+        _, forces = reference(openmm.XmlSerializer.deserialize(sim.to_openmm_xml()[0]), sim)
+        m, n = sim.masses[:2], sim.positions[1] - sim.positions[0]
+        d = np.linalg.norm(n)
+        apart = (forces[1] / m[1] - forces[0] / m[0]) @ n / d + ((sim.velocities[1] - sim.velocities[0])**2).sum() / d
+        expected = m.prod() / m.sum() * apart
+        bond = [sorted(pair) for pair in sim.bonds.tolist()].index([0, 1])
+        assert abs(sim.tensions[bond] - expected) < 1e-8 * abs(expected)
+        assert sim.log["tension_kj_mol_nm"].shape == (3,) and np.isfinite(sim.log["tension_kj_mol_nm"]).all()

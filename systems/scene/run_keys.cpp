@@ -166,7 +166,7 @@ void settle_tensions(const TomlTable& run, Scene& scene) {
         run.fail("tension_of", row, fmt::format("there is no atom {} of {}", atom, sys.atoms()));
       if (atom < 0) atom += sys.atoms();
     }
-    const auto [i, j] = pairs[row];
+    const int i = pairs[row][0], j = pairs[row][1];
     if (one_sided(i, j))
       run.fail("tension_of", row,
                fmt::format("a strut or rope is between {} and {}; expected a rigid bond, of which there is "

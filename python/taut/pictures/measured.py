@@ -150,7 +150,10 @@ def draw_viscosity(page: Page, axis: Any, table: Table) -> None:
 def draw_loads(page: Page, axis: Any, table: Table) -> None:
     bond, mean, error, least, most = (numbers(table, name) for name in (
         "bond", "tension_kj_mol_nm", "standard_error", "least_kj_mol_nm", "most_kj_mol_nm"))
-    axis.fill_between(bond, least, most, step="mid", color=HUES[5], alpha=0.4, lw=0)
+    if len(bond) <= 200:
+        axis.bar(bond, most - least, width=0.7, bottom=least, color=HUES[5], alpha=0.4)
+    else:
+        axis.fill_between(bond, least, most, step="mid", color=HUES[5], alpha=0.4, lw=0)
     axis.errorbar(bond, mean, error, color=HUES[0], marker="o", markersize=2.5 if len(bond) < 200 else 1, linestyle="none",
                   elinewidth=0.7)
     axis.axhline(0, color="#777777", lw=0.5)

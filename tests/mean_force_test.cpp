@@ -1,0 +1,333 @@
+// Forces of constraint as results: the tension that the log has of a bond, beside closed forms; the potential of mean force
+// that it integrates to; every bond's load over a run.
+
+#include "measures/mean_force.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "error_message.hpp"
+#include "md/units.hpp"
+#include "measures/csv.hpp"
+#include "simulation/simulation.hpp"
+#include "systems/scene/scene_file.hpp"
+#include "taut_command.hpp"
+#include "temporary_folder.hpp"
+
+namespace taut::mean_force_tests {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using json = nlohmann::json;
+
+constexpr double kT = kBoltzmann * 300;
+
+Scene read(const std::string& text, const std::vector<std::string>& overrides = {}) {
+  const TemporaryFolder folder;
+  return read_scene(folder.write("scene.toml", text), overrides);
+}
+
+// Two Lennard-Jones atoms, whose distance is held.
+const std::string kPair = R"([molecule.pair]
+atoms = [{name = "A", mass_u = 40, sigma_nm = 0.34, epsilon_kj_mol = 3}, {name = "B", mass_u = 20, sigma_nm = 0.34, epsilon_kj_mol = 3}]
+bonds = [[0, 1, 0.4]]
+exclude = "none"
+[[place]]
+molecule = "pair"
+count = 1
+[run]
+dt_fs = 5
+steps = 40000
+log_every = 10
+temperature_k = 300
+thermostat = "langevin"
+friction_per_ps = 5
+tension_of = [[0, 1]]
+)";
+
+double lennard_jones(double r) {
+  const double s6 = std::pow(0.34 / r, 6);
+  return 12 * (s6 * s6 - s6);
+}
+double lennard_jones_force(double r) {
+  const double s6 = std::pow(0.34 / r, 6);
+  return 12 * (12 * s6 * s6 - 6 * s6) / r;
+}
+
+// ---- The integral
+
+std::vector<HeldLength> pair_at(const std::vector<double>& lengths, double error) {
+  std::vector<HeldLength> all;
+  for (const double d : lengths) all.push_back({d, {lennard_jones_force(d) + 2 * kT / d, error}, {3, 0}});
+  return all;
+}
+
+std::vector<double> evenly(double from, double to, int count) {
+  std::vector<double> all;
+  for (int k = 0; k < count; ++k) all.push_back(from + (to - from) * k / (count - 1));
+  return all;
+}
+
+// −∫⟨τ⟩dd of two atoms is U − 2kT ln d, what is P(d) ∝ d² exp(−U/kT), and the potential is U.
+TEST(MeanForce, OfAPairIntegratesToItsPotential) {
+  double before = 0;
+  for (const int count : {40, 80, 160}) {
+    double worst = 0;
+    for (const FreeEnergies& e : integrate_mean_force(pair_at(evenly(0.33, 0.8, count), 0), kT)) {
+      const double u = lennard_jones(e.at.length) - lennard_jones(0.8), ln = std::log(e.at.length / 0.8);
+      worst = std::max(worst, std::abs(e.potential.value - u));
+      EXPECT_NEAR(e.distribution.value, e.potential.value - 2 * kT * ln, 1e-12);
+      EXPECT_EQ(e.held.value, e.distribution.value);  // one weight at all lengths
+    }
+    if (before > 0) {
+      EXPECT_LT(worst, before / 12) << count;  // the fourth power of the spacing
+    }
+    before = worst;
+  }
+  EXPECT_LT(before, 1e-4);
+}
+
+TEST(MeanForce, HasTheErrorsOfItsTensionsAndWeights) {
+  const std::vector<FreeEnergies> two =
+      integrate_mean_force({{0.3, {5, 0.3}, {2, 0.02}}, {0.5, {4, 0.4}, {3, 0.06}}}, kT);
+  EXPECT_NEAR(two[0].held.value, 0.9, 1e-12);
+  EXPECT_NEAR(two[0].held.error, 0.1 * 0.5, 1e-12);
+  EXPECT_NEAR(two[0].distribution.value, 0.9 - kT * std::log(2.0 / 3), 1e-12);
+  EXPECT_NEAR(two[0].potential.error, std::sqrt(0.05 * 0.05 + kT * kT * (1e-4 + 4e-4)), 1e-12);
+  EXPECT_NEAR(two[0].potential.value - two[0].distribution.value, 2 * kT * std::log(0.3 / 0.5), 1e-12);
+  EXPECT_EQ(two[1].potential.error, 0);
+}
+
+TEST(MeanForce, SaysWhereLengthsAreTooFarApart) {
+  const auto change = [](int count) {
+    return change_without_every_other(integrate_mean_force(pair_at(evenly(0.33, 0.8, count), 0), kT), kT);
+  };
+  EXPECT_GT(change(7), 1);
+  EXPECT_LT(change(81), 0.01);
+  EXPECT_EQ(change(4), 0);
+}
+
+// ---- Tensions beside closed forms
+
+struct Means {
+  Estimate tension, weight;
+};
+Means means_of(const Scene& scene) {
+  Simulation simulation(scene);
+  RunningMean tension, weight;
+  simulation.run([&](const Record& r) {
+    tension.add(r.held->tension);
+    weight.add(r.held->weight);
+  });
+  return {tension.estimate(), weight.estimate()};
+}
+
+// Between two atoms the tension is −U'(d) + μv²/d, its mean −U'(d) + 2kT/d; no other constraint is coupled, so that the
+// mass along the distance is μ.
+TEST(Tension, OfAPairIsTheForceAndTheCentrifugalForce) {
+  for (const char* method : {"newton", "rattle", "baumgarte", "feedforward"})
+    for (const double d : {0.35, 0.5}) {
+      const Means found = means_of(
+          read(kPair, {fmt::format("molecule.pair.bonds.0.2={}", d), std::string("method.name=") + method}));
+      EXPECT_LT(found.tension.error, 0.6);
+      EXPECT_NEAR(found.tension.value, lennard_jones_force(d) + 2 * kT / d, 4 * found.tension.error)
+          << method;
+      EXPECT_NEAR(found.weight.value, std::sqrt(40.0 * 20 / 60), 1e-7) << method;
+    }
+}
+
+// A rigid triangle with sides b, b and d, the masses m: at all orientations ∫√det A δ(σ) is √(I₁I₂I₃), so that
+// ⟨τ⟩ = kT ∂ ln √(I₁I₂I₃)/∂d. In the trimer whose two bonds alone are rigid c = cos θ between
+// bond vectors has P(c) ∝ √(4 − c²), d² = 2b²(1 + c), so P(d) ∝ d √(4 − c²), which is exp(−A/kT)⟨w⟩.
+TEST(Tension, OfATrianglesThirdSideGivesTheTrimersDistribution) {
+  const std::string text = R"([molecule.trimer]
+atoms = [{name = "A", mass_u = 15}]
+units = 3
+bonds = [[0, 1, 0.3], [0, -1, 0.4]]
+[[place]]
+molecule = "trimer"
+count = 1
+[run]
+dt_fs = 5
+steps = 60000
+log_every = 10
+temperature_k = 300
+thermostat = "langevin"
+friction_per_ps = 5
+tension_of = [[0, -1]]
+)";
+  const double b = 0.3;
+  const auto log_inertia = [&](double d) {  // ½ ln I₁I₂I₃ but for a constant
+    const double height = std::sqrt(b * b - d * d / 4), ix = 2.0 / 3 * height * height, iy = d * d / 2;
+    return 0.5 * std::log(ix * iy * (ix + iy));
+  };
+  const auto log_p = [&](double d) {
+    const double c = d * d / (2 * b * b) - 1;
+    return std::log(d * std::sqrt(4 - c * c));
+  };
+  const auto weight = [&](double d) { return std::exp(log_p(d) - log_inertia(d)); };
+  double ratio = 0;
+  for (const double d : {0.15, 0.3, 0.5}) {
+    const Means found = means_of(read(text, {fmt::format("molecule.trimer.bonds.1.2={}", d)}));
+    const double slope = (log_inertia(d + 1e-6) - log_inertia(d - 1e-6)) / 2e-6;
+    EXPECT_LT(found.tension.error, 1.5);
+    EXPECT_NEAR(found.tension.value, kT * slope, 4 * found.tension.error) << d;
+    if (ratio == 0) ratio = found.weight.value / weight(d);
+    EXPECT_NEAR(found.weight.value / weight(d), ratio, 1e-6 * ratio) << d;
+  }
+}
+
+// A chain of N = 4 freely jointed bonds, its ends held apart: Fixman's potential makes it freely jointed, so that
+// −∫⟨τ⟩ − kT ln d = −kT ln P(d), ⟨τ⟩ = kT d ln(P/d)/dd, of Treloar's P(r)/r² (1946, doi:10.1039/TF9464200077).
+// Without it P is that of rigid bonds, and its weight is not constant.
+TEST(Tension, OfAFreelyJointedChainsEndsIsItsElasticity) {
+  const std::string text = R"([molecule.chain]
+atoms = [{name = "B", mass_u = 15}]
+units = 5
+bonds = [[0, 1, 0.3], [0, -1, 0.6]]
+[[place]]
+molecule = "chain"
+count = 1
+[run]
+dt_fs = 5
+steps = 60000
+log_every = 10
+temperature_k = 300
+thermostat = "langevin"
+friction_per_ps = 5
+tension_of = [[0, -1]]
+)";
+  const int N = 4;
+  const auto log_p = [&](double r) {  // ln P/r²
+    double sum = 0, binomial = 1;
+    for (int k = 0; k <= N && N - 2 * k > r / 0.3; ++k) {
+      sum += (k % 2 ? -1 : 1) * binomial * std::pow(N - 2 * k - r / 0.3, N - 2);
+      binomial *= static_cast<double>(N - k) / (k + 1);
+    }
+    return std::log(sum / r);
+  };
+  for (const double d : {0.5, 0.9}) {
+    const Scene scene =
+        read(text, {fmt::format("molecule.chain.bonds.1.2={}", d), "run.metric_correction=true"});
+    const Means found = means_of(scene);
+    const double slope = (log_p(d + 1e-6) - log_p(d - 1e-6)) / 2e-6 + 1 / d;
+    EXPECT_LT(found.tension.error, 1.2);
+    EXPECT_NEAR(found.tension.value, kT * slope, 4 * found.tension.error) << d;
+    EXPECT_NEAR(found.weight.value, d, 1e-12);
+  }
+  EXPECT_GT(means_of(read(text)).weight.error, 0);
+}
+
+// ---- What a user types
+
+// dH/dλ of a bond whose length changes: the held system's free energy falls by 2kT ln(d/d₀), and its potential is flat.
+TEST(Scan, OfABondsLengthGivesItsPotentialOfMeanForce) {
+  const TemporaryFolder folder;
+  const Undrawn undrawn;
+  const std::string out = (folder.path() / "scan").string();
+  std::string text = kPair;
+  text.erase(text.find("tension_of"));
+  for (std::size_t at; (at = text.find("epsilon_kj_mol = 3")) != text.npos;)
+    text.replace(at, std::string("epsilon_kj_mol = 3").size(), "epsilon_kj_mol = 1e-9");
+  const std::string scene = folder.write("scene.toml", text).string();
+  const std::string command =
+      "scan " + scene + " --steps 4000 --vary molecule.pair.bonds.0.2=0.3,0.4,0.5 --pmf --seeds 2 --out " +
+      out;
+  EXPECT_THAT(said(command), AllOf(HasSubstr("potential of mean force along bond 0-1 at 300 K"),
+                                   HasSubstr("no other rigid bond is coupled to this one")));
+  const json all = json::parse(said("measure --from auto --json " + out));
+  ASSERT_EQ(all.size(), 4u);
+  const json& points = all[3]["mean_force"];
+  ASSERT_EQ(points.size(), 3u);
+  for (const json& p : points) {
+    const double d = p["length_nm"], error = p["potential_kj_mol"]["standard_error"].is_null()
+                                                 ? 0.0
+                                                 : p["potential_kj_mol"]["standard_error"].get<double>();
+    EXPECT_NEAR(p["held_kj_mol"]["value"].get<double>(), -2 * kT * std::log(d / 0.5), 4 * error + 0.02);
+    EXPECT_NEAR(p["potential_kj_mol"]["value"].get<double>(), 0, 4 * error + 0.02);
+    EXPECT_LT(error, 0.5);
+  }
+  EXPECT_EQ(csv_rows(contents(out + "/mean_force.csv")).size(), 4u);
+}
+
+TEST(Scan, SaysWhyThereIsNoPotentialOfMeanForce) {
+  const TemporaryFolder folder;
+  const Undrawn undrawn;
+  const std::string scene = folder.write("scene.toml", kPair).string();
+  const std::string out = " --out " + (folder.path() / "scan").string();
+  const auto refused = [&](const std::string& rest) {
+    return said("scan " + scene + " --pmf " + rest + out, 2);
+  };
+  const std::string lengths = "--vary molecule.pair.bonds.0.2=0.4,0.5 ";
+  EXPECT_THAT(refused("--vary run.dt_fs=1,2"), HasSubstr("no rigid bond has several lengths"));
+  EXPECT_THAT(said("scan held_chain --pmf --vary molecule.chain.bonds.0.2=0.3,0.4" + out, 2),
+              HasSubstr("tied together by rigid bonds"));
+  EXPECT_THAT(
+      said("scan held_chain --pmf --set run.tension_of=[[0,1]] --vary molecule.chain.bonds.0.2=0.3,0.4" + out,
+           2),
+      HasSubstr("bond 1-2, which run.tension_of does not name"));
+  EXPECT_THAT(refused(lengths + "--set run.thermostat=none"), HasSubstr("run.thermostat"));
+  EXPECT_THAT(refused(lengths + "--set 'run.temperature_k=[[0, 300], [9, 400]]'"),
+              HasSubstr("run.temperature_k"));
+  EXPECT_THAT(
+      refused(lengths +
+              "--set 'bias=[{name=\"b\", variable=\"distance\", groups=[0, 1], at_nm=1, k_kj_mol_nm2=9}]'"),
+      AllOf(HasSubstr("bias b"), HasSubstr("held rigid")));
+  EXPECT_FALSE(fs::exists(folder.path() / "scan"));
+  EXPECT_THAT(
+      said("scan " + scene + " --steps 10 " + lengths + out),
+      HasSubstr(
+          "no potential of mean force along bond 0-1: the rows at 0.4 nm are too few to have an error"));
+}
+
+TEST(Tension, IsRefusedOfWhatIsNoRigidBond) {
+  const auto refused = [](const std::string& key, const std::string& more = "") {
+    return error_message([&] { read(kPair, {"run.tension_of=" + key, "place.0.count=2" + more}); });
+  };
+  EXPECT_THAT(refused("[[0, 2]]"), HasSubstr("run.tension_of[0]: no rigid bond is between 0 and 2"));
+  EXPECT_THAT(refused("[[0, 4]]"), HasSubstr("no atom 4"));
+  EXPECT_THAT(refused("[[0, 0.5]]"), HasSubstr("no atom 0.5"));
+  EXPECT_THAT(refused("[[0, 1], [1, 0]]"), HasSubstr("twice"));
+  EXPECT_EQ(read(kPair, {"run.tension_of=[[-1, -2]]"}).run.tension_of[0], (std::array{0, 1}));
+}
+
+// A chain of four beads hangs at rest from an anchor: bond k carries what is below it.
+TEST(Loads, AreMeasuredOfEveryBond) {
+  const TemporaryFolder folder;
+  const std::string scene = folder
+                                .write("hanging.toml", R"([build]
+kind = "atoms"
+atoms = [[0, 0, 0, 0], [0, -1, 0, 2], [0, -2, 0, 3], [0, -3, 0, 5]]
+bonds = [[0, 1, 1], [1, 2, 1], [2, 3, 1]]
+gravity_nm_ps2 = [0, -10, 0]
+[run]
+dt_fs = 1
+steps = 100
+log_every = 10
+)")
+                                .string();
+  const std::string out = (folder.path() / "out").string(), measured = (folder.path() / "measured").string();
+  said("run " + scene + " --quiet --out " + out);
+  EXPECT_THAT(said("measure --tensions " + out, 2), HasSubstr("run.trajectory=h5md"));
+  said("run " + scene + " --quiet --overwrite --set run.trajectory=h5md run.trajectory_every=5 --out " + out);
+  const std::string words = said("measure --tensions " + out + " --out " + measured);
+  EXPECT_THAT(words, HasSubstr("tension of 3 bonds in 21 frames"));
+  const auto rows = csv_rows(contents(measured + "/loads.csv"));
+  ASSERT_EQ(rows.size(), 4u);
+  for (int k = 0; k < 3; ++k) {
+    const double carried = std::vector<double>{100, 80, 50}[k];
+    for (const int column : {2, 4, 5}) EXPECT_NEAR(std::stod(rows[k + 1][column]), carried, 1e-6);
+  }
+  EXPECT_EQ(rows[1][1], "0-1");
+  EXPECT_LT(words.find("0-1"), words.find("2-3"));  // the largest first
+  EXPECT_TRUE(fs::exists(measured + "/loads_in_time.csv"));
+  EXPECT_THAT(said("measure --tensions " + out + " " + out, 2), HasSubstr("--join"));
+}
+
+}  // namespace
+}  // namespace taut::mean_force_tests
