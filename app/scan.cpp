@@ -90,9 +90,12 @@ std::vector<ScanPoint> points_of(const ScanArguments& arguments) {
     points = std::move(more);
   }
   int number = 0;
-  for (ScanPoint& point : points)
+  for (ScanPoint& point : points) {
+    // Under the same random numbers the errors of neighbouring lengths would be alike, and add up in the integral.
+    if (arguments.pmf) point.first_seed = number + 1;
     for (int seed = 1; seed <= arguments.seeds; ++seed)
       point.runs.push_back(arguments.out / fmt::format("{:03}", ++number));
+  }
   return points;
 }
 
@@ -130,15 +133,16 @@ std::vector<ScanRun> runs_of(const ScanArguments& arguments, const std::vector<S
     ScanArguments one = arguments;
     for (const auto& [key, value] : point.values) one.settings.push_back(key + "=" + value);
     one.read();
-    for (std::size_t seed = 1; seed <= point.runs.size(); ++seed) {
-      ScanRun run{.folder = point.runs[seed - 1],
+    for (std::size_t k = 0; k < point.runs.size(); ++k) {
+      const int seed = point.first_seed + static_cast<int>(k);
+      ScanRun run{.folder = point.runs[k],
                   .label = fmt::format("{}, seed {}", point.label(), seed),
                   .words = {"run"}};
       if (!one.scene.empty()) run.words.push_back(one.scene);
       if (!one.openmm.empty()) run.words.insert(run.words.end(), {"--openmm", one.openmm[0], one.openmm[1]});
       for (const std::string& setting : one.overrides())
         run.words.insert(run.words.end(), {"--set", setting});
-      if (point.runs.size() > 1)  // a single run has the scene's own seed, if it has one
+      if (point.runs.size() > 1 || arguments.pmf)  // a single run has the scene's own seed, if it has one
         run.words.insert(run.words.end(), {"--set", fmt::format("run.seed={}", seed)});
       run.words.insert(run.words.end(), {"--out", run.folder.string(), "--continue", "--quiet", "--threads",
                                          fmt::format("{}", available_threads())});

@@ -63,7 +63,7 @@ std::vector<FreeEnergies> integrate_mean_force(const std::vector<HeldLength>& le
   return all;
 }
 
-double change_without_every_other(const std::vector<FreeEnergies>& all, double kT) {
+double error_of_spacing(const std::vector<FreeEnergies>& all, double kT) {
   if (all.size() < kLengthsToJudge) return 0;
   std::vector<HeldLength> fewer;
   std::vector<double> before;
@@ -76,7 +76,8 @@ double change_without_every_other(const std::vector<FreeEnergies>& all, double k
   double most = 0;
   for (std::size_t k = 0; k < again.size(); ++k)
     most = std::max(most, std::abs(again[k].potential.value - before[k]));
-  return most;
+  constexpr double kFourthOrder = 15;  // 2⁴ − 1
+  return most / kFourthOrder;
 }
 
 }  // namespace taut

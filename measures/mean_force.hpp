@@ -27,9 +27,10 @@ struct FreeEnergies {
 // or two lengths the parabola or the line through all.
 std::vector<FreeEnergies> integrate_mean_force(const std::vector<HeldLength>& lengths, double kT);
 
-// How much the potential would change if every other length were left out, at the lengths that remain, the most of them,
-// beside which errors of ⟨τ⟩ between the lengths are small; 0 for fewer than kLengthsToJudge [kJ/mol].
+// What the potential is off, at most, for the spacing of its lengths. Without every other length it changes by so much at
+// the lengths that remain, of which a fifteenth is left with all, as Richardson has it of the fourth order. 0 for fewer
+// lengths than kLengthsToJudge, which cannot tell [kJ/mol].
 constexpr std::size_t kLengthsToJudge = 5;
-double change_without_every_other(const std::vector<FreeEnergies>& all, double kT);
+double error_of_spacing(const std::vector<FreeEnergies>& all, double kT);
 
 }  // namespace taut

@@ -238,17 +238,15 @@ std::string in_words(const MeanForces& of, int width) {
           "\n";
   double error = 0;
   for (const FreeEnergies& e : of.lengths) error = std::max(error, e.potential.error);
-  const double change = change_without_every_other(of.lengths, of.kT);
+  const double spacing = error_of_spacing(of.lengths, of.kT);
   if (of.lengths.size() < kLengthsToJudge)
     text += fmt::format("  {} cannot tell whether they are near enough to each other; {} or more do\n",
                         counted(std::ssize(of.lengths), "length"), kLengthsToJudge);
-  else if (change > 2 * error)
-    text +=
-        wrapped(fmt::format("  in doubt: without every other length the potential would be another by {:.2g} "
-                            "kJ/mol; add lengths where the tension changes most",
-                            change),
-                width, 4) +
-        "\n";
+  else if (spacing > error)
+    text += fmt::format(
+        "  in doubt: the lengths' spacing adds up to {:.2g} kJ/mol; add some where the tension changes "
+        "most\n",
+        spacing);
   return text;
 }
 

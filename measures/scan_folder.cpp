@@ -48,7 +48,8 @@ std::string scan_table(const std::vector<ScanPoint>& points) {
   text += "\n";
   for (const ScanPoint& point : points)
     for (std::size_t seed = 0; seed < point.runs.size(); ++seed) {
-      text += fmt::format("{},{}", csv_cell(point.runs[seed].filename().string()), seed + 1);
+      text += fmt::format("{},{}", csv_cell(point.runs[seed].filename().string()),
+                          point.first_seed + static_cast<int>(seed));
       for (const auto& [key, value] : point.values) text += "," + csv_cell(value);
       text += "\n";
     }

@@ -17,6 +17,7 @@ std::string in_words(const ScanValues& values);        // "run.temperature_k=300
 struct ScanPoint {
   ScanValues values;
   std::vector<std::filesystem::path> runs;
+  int first_seed = 1;  // of the first run, one more of each that follows
 
   std::string label() const;  // its values, or "all"
 };

@@ -104,12 +104,20 @@ TEST(MeanForce, HasTheErrorsOfItsTensionsAndWeights) {
 }
 
 TEST(MeanForce, SaysWhereLengthsAreTooFarApart) {
-  const auto change = [](int count) {
-    return change_without_every_other(integrate_mean_force(pair_at(evenly(0.33, 0.8, count), 0), kT), kT);
+  const auto spacing = [](int count) {
+    return error_of_spacing(integrate_mean_force(pair_at(evenly(0.33, 0.8, count), 0), kT), kT);
   };
-  EXPECT_GT(change(7), 1);
-  EXPECT_LT(change(81), 0.01);
-  EXPECT_EQ(change(4), 0);
+  const auto off = [](int count) {
+    double most = 0;
+    for (const FreeEnergies& e : integrate_mean_force(pair_at(evenly(0.33, 0.8, count), 0), kT))
+      most = std::max(most, std::abs(e.potential.value - lennard_jones(e.at.length) + lennard_jones(0.8)));
+    return most;
+  };
+  for (const int count : {21, 41, 81}) {
+    EXPECT_GT(spacing(count), 0.9 * off(count)) << count;
+    EXPECT_LT(spacing(count), 10 * off(count)) << count;
+  }
+  EXPECT_EQ(spacing(4), 0);
 }
 
 // ---- Tensions beside closed forms
@@ -253,6 +261,10 @@ TEST(Scan, OfABondsLengthGivesItsPotentialOfMeanForce) {
     EXPECT_LT(error, 0.5);
   }
   EXPECT_EQ(csv_rows(contents(out + "/mean_force.csv")).size(), 4u);
+  const auto runs = csv_rows(contents(out + "/runs.csv"));  // each has random numbers of its own
+  ASSERT_EQ(runs.size(), 7u);
+  for (int k = 1; k <= 6; ++k) EXPECT_EQ(runs[k][1], std::to_string(k));
+  EXPECT_THAT(contents(out + "/commands.txt"), HasSubstr("run.seed=6"));
 }
 
 TEST(Scan, SaysWhyThereIsNoPotentialOfMeanForce) {
