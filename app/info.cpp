@@ -14,6 +14,7 @@
 #include "scene_argument.hpp"
 #include "simulation/temperatures.hpp"
 #include "systems/builders/biases.hpp"
+#include "systems/builders/motions.hpp"
 
 namespace taut {
 namespace {
@@ -63,6 +64,7 @@ std::vector<std::string> forces_of(const Scene& scene) {
   add(terms.walls.size(), "wall");
   add(terms.steered.size(), "steered atom");
   for (const Bias& bias : terms.biases) forces.push_back(in_words(bias));
+  for (std::size_t m = 0; m < scene.motions.size(); ++m) forces.push_back(in_words(scene.motions[m], m));
   return forces;
 }
 

@@ -195,7 +195,7 @@ void print_summary(const Simulation& simulation, const Summary& s, bool stepped)
   }
   if (s.tension)
     say("{} {} kJ/mol/nm\n", columns_of_held(simulation.scene().run)[0].words, with_error(*s.tension, 3));
-  if (s.steering_work) say("work of the moving springs {:.6g} kJ/mol\n", *s.steering_work);
+  if (s.steering_work) say("work of what moves springs and anchors {:.6g} kJ/mol\n", *s.steering_work);
   if (simulation.scene().run.barostatted())
     say("density {} kg/m³, volume {} nm³\n", with_error(s.density, 2), with_error(s.volume, 4));
   if (simulation.scene().system.bond_count() > 0) {

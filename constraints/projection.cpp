@@ -61,13 +61,14 @@ void Projector::velocities(const System& sys, const Vectors& x, Vectors& v) {
   }
 }
 
-const Eigen::VectorXd& Projector::multipliers(const System& sys, const State& s) {
+const Eigen::VectorXd& Projector::multipliers(const System& sys, const State& s, const Vectors* prescribed) {
   bond_vectors(sys, s.x, r_);
   differences(sys, s.v, v_ij_);
   solver_.factor(r_);
   for (int k = 0; k < sys.bond_count(); ++k) {
     const auto& [i, j, d] = sys.bonds[k];
-    const Vec3 a_ij = sys.inv_mass[j] * s.f.col(j) - sys.inv_mass[i] * s.f.col(i);
+    Vec3 a_ij = sys.inv_mass[j] * s.f.col(j) - sys.inv_mass[i] * s.f.col(i);
+    if (prescribed) a_ij += prescribed->col(j) - prescribed->col(i);
     b_[k] = -(r_.col(k).dot(a_ij) + v_ij_.col(k).squaredNorm());
   }
   solver_.solve(b_);
@@ -84,15 +85,16 @@ std::vector<int> rest_anchors(const System& sys, Vectors& v) {
   return moved;
 }
 
-void bring_to_bonds(const System& sys, State& s) {
+void bring_to_bonds(const System& sys, State& s, MovingAnchors* anchors) {
   rest_anchors(sys, s.v);
+  if (anchors) anchors->begin(s);
   Projector projector(sys);
   projector.positions(sys, s.x);
   projector.velocities(sys, s.x, s.v);
 }
 
 void initialize(Integrator& integrator, const Dynamics& dynamics, double h, State& s) {
-  bring_to_bonds(dynamics.sys, s);
+  bring_to_bonds(dynamics.sys, s, dynamics.anchors);
   integrator.initialize(dynamics, h, s);
 }
 

@@ -20,8 +20,9 @@ class Projector {
   // v −= M⁻¹Jᵀ A⁻¹ J v
   void velocities(const System& sys, const Vectors& x, Vectors& v);
 
-  // Solves A λ = −(J M⁻¹f + |v_ij|²), σ̈ = 0 at this instant. s.f must not contain constraint forces.
-  const Eigen::VectorXd& multipliers(const System& sys, const State& s);
+  // Solves A λ = −(J M⁻¹f + |v_ij|²), σ̈ = 0 at this instant. s.f must not contain constraint forces. To M⁻¹f comes the
+  // acceleration of anchors that move (MovingAnchors::accelerations), where it is given.
+  const Eigen::VectorXd& multipliers(const System& sys, const State& s, const Vectors* prescribed = nullptr);
 
   // b ← A⁻¹b, A of the positions where multipliers or velocities were found last.
   void solve(Eigen::VectorXd& b) { solver_.solve(b); }
@@ -37,8 +38,9 @@ class Projector {
 // Sets the velocities of anchors (atoms of mass 0) to 0, and returns those that were not 0 before.
 std::vector<int> rest_anchors(const System& sys, Vectors& v);
 
-// Makes a start satisfy the bonds, its anchors at rest. Throws SimulationFailure, naming the bond, where it cannot.
-void bring_to_bonds(const System& sys, State& s);
+// Makes a start satisfy the bonds, its anchors at rest, or at the beginning of their motion. Throws SimulationFailure,
+// naming the bond, where it cannot.
+void bring_to_bonds(const System& sys, State& s, MovingAnchors* anchors = nullptr);
 
 // Brings a start to the bonds, and gives forces their first values by an integrator; velocity Verlet if none is given.
 void initialize(Integrator& integrator, const Dynamics& dynamics, double h, State& s);

@@ -43,7 +43,7 @@ void Langevin::initialize(const Dynamics& dynamics, double h, State& s) {
   dynamics.forces.evaluate(dynamics.sys, s);  // f = F(x)
   s.F = s.f;
   Push push = Push::at_start(h);
-  SolveStats stats = draw(dynamics.sys, push, s);  // ½Δ of the first drift
+  SolveStats stats = draw(dynamics, push, s);  // ½Δ of the first drift
   push.noise = &noise_;
   stats += dynamics.add_forces(push, s);  // f = F + C
   demand_converged(dynamics.sys, s, stats, 0);
@@ -52,19 +52,20 @@ void Langevin::initialize(const Dynamics& dynamics, double h, State& s) {
 SolveStats Langevin::advance(const Dynamics& dynamics, double h, State& s) {
   const System& sys = dynamics.sys;
   Push push = Push::between_steps(h);
+  dynamics.set_off(h, s);                               // v½ of anchors that move
   half_kick_and_drift(sys, h, &half_jump_, s);          // u = v + (h/2) M⁻¹f + ½Δ, x' = x + hu
   s.t += h;                                             // forces that depend on time act at the new one
   SolveStats stats = dynamics.project_positions(h, s);  // σ(x') = 0, and u by as much over h
   account.heat += dynamics.bath.move_box(sys, s);       // a barostat scales box, x' and u
   dynamics.forces.evaluate(sys, s);                     // f' = F(x')
   renew_forces(h, sys, &half_jump_, s);                 // work of F and F', heat Σ mu·Δ; F is F'
-  stats += draw(sys, push, s);                          // the Δ' to come, from u + ½Δ + h M⁻¹f'
+  stats += draw(dynamics, push, s);                     // the Δ' to come, from u + ½Δ + h M⁻¹f'
   account.heat += heat_of_turning_;                     // less what turned bonds took of ½Δ
   push.noise = &noise_;                                 // ½M(Δ + Δ')/h
   stats += dynamics.add_forces(push, s);                // f' = F' + C'
   half_kick(sys, h, &before_, s);                       // v' = u + ½Δ + (h/2) M⁻¹f'
   stats += dynamics.project_velocities(h, s);           // σ̇ = Jv' = 0
-  if (stats.held()) account.heat += dynamics.bath.after_step(sys, h, s);  // barostat, steering
+  if (stats.held()) account.heat += dynamics.after_step(h, s);  // barostat, steering
   return stats;
 }
 
@@ -105,7 +106,8 @@ SolveStats Langevin::account_for_turning(const System& sys, const State& s) {
 }
 
 // Draws the Δ that follows on s.v, the velocity of the drift, and `push`. The one before is kept.
-SolveStats Langevin::draw(const System& sys, const Push& push, const State& s) {
+SolveStats Langevin::draw(const Dynamics& dynamics, const Push& push, const State& s) {
+  const System& sys = dynamics.sys;
   const PartScope here(StepPart::kThermostat);
   if (!settings_.course.empty()) set_temperature(settings_.course.at(s.t));
   const double c = std::exp(-settings_.friction * h_);
@@ -121,6 +123,7 @@ SolveStats Langevin::draw(const System& sys, const Push& push, const State& s) {
       half_jump_.col(i) = 0.5 * ((c - 1) * v + width_[i] * normal);
     }
   });
+  if (dynamics.anchors) dynamics.anchors->hold_still(half_jump_);
   stats += drift_.project(h_, s.x, half_jump_);
   if (settings_.hold_momentum) remove_momentum(sys, half_jump_);
   by_atoms(sys.atoms(), [&](int first, int last) {

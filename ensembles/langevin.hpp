@@ -56,7 +56,7 @@ class Langevin final : public Integrator {
   void serialize(Archive& archive) override { archive(half_jump_, random_); }
 
  private:
-  SolveStats draw(const System& sys, const Push& push, const State& s);
+  SolveStats draw(const Dynamics& dynamics, const Push& push, const State& s);
   const Vectors& forces_with_springs(const System& sys, const Push& push, const State& s, SolveStats& stats);
   SolveStats account_for_turning(const System& sys, const State& s);
 

@@ -2,13 +2,9 @@
 
 namespace taut {
 
-Barometer::Barometer(const System& sys, bool springs) : springs_(springs), projector_(sys) {}
-
-Eigen::Matrix3d Barometer::pressure(const System& sys, ForceField& forces, const State& at,
-                                    const ForceField::Evaluation& besides,
-                                    const Eigen::VectorXd& spring_lambda) {
+Eigen::Matrix3d pressure(const System& sys, ForceField& forces, const State& at,
+                         const ForceField::Evaluation& besides, const Eigen::VectorXd& lambda) {
   const Vectors &x = at.x, &v = at.v;
-  const Eigen::VectorXd& lambda = springs_ ? spring_lambda : projector_.multipliers(sys, at);
   Eigen::Matrix3d sum = forces.virial(at, besides) + v * sys.mass.asDiagonal() * v.transpose();
   for (int k = 0; k < sys.bond_count(); ++k) {
     const Vec3 r = sys.along(sys.bonds[k], x);

@@ -1,30 +1,18 @@
 #pragma once
 
-#include "constraints/projection.hpp"
 #include "forcefield/force_field.hpp"
 #include "md/units.hpp"
 
 namespace taut {
 
-// The pressure of a periodic box, atoms and box strained alike:
+// The pressure's tensor of a periodic box, atoms and box strained alike [bar]:
 //     P = (Σ m v⊗v + Ξ)/V,   Ξ = Ξ_forces + Σ λ r⊗r,
-// whose trace is three times the scalar pressure.
-// The multipliers are those that hold the bonds at this very instant, A λ = −(J M⁻¹F + |v_ij|²), whatever
-// method runs: right at the start as later, free of a method's lag and of a thermostat's noise. With them the
-// pressure of rigid molecules is that of their centres of mass, instant by instant.
-class Barometer {
- public:
-  // With `springs` the bonds are a penalty's: they pull by multipliers of their own.
-  explicit Barometer(const System& sys, bool springs = false);
-
-  // The tensor [bar] of a state whose forces are all but the constraints'; evaluating them gave `besides`.
-  // `spring_lambda`: only with springs.
-  Eigen::Matrix3d pressure(const System& sys, ForceField& forces, const State& at,
-                           const ForceField::Evaluation& besides, const Eigen::VectorXd& spring_lambda);
-
- private:
-  bool springs_;
-  Projector projector_;
-};
+// whose trace is three times the scalar pressure. It is of a state whose forces are all but the constraints';
+// evaluating them gave `besides`.
+// The multipliers are a penalty's, of its springs, or those that hold the bonds at this very instant,
+// A λ = −(J M⁻¹F + |v_ij|²), whatever method runs: right at the start as later, free of a method's lag and of a
+// thermostat's noise. With them the pressure of rigid molecules is that of their centres of mass, instant by instant.
+Eigen::Matrix3d pressure(const System& sys, ForceField& forces, const State& at,
+                         const ForceField::Evaluation& besides, const Eigen::VectorXd& lambda);
 
 }  // namespace taut

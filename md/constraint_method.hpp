@@ -18,6 +18,8 @@ struct Push {
   double h;                        // length of the step to come [ps]
   double kick;                     // how long the forces act: h, and ½h at the start [ps]
   const Vectors* noise = nullptr;  // the random force of a thermostat, no part of f [kJ/mol/nm]; null: none
+  // Of anchors that move, (v_next − v)/kick, and 0 of all other atoms [nm/ps²]; null: all anchors stand.
+  const Vectors* prescribed = nullptr;
 
   static Push between_steps(double h) { return {h, h}; }
   static Push at_start(double h) { return {h, 0.5 * h}; }
@@ -28,6 +30,10 @@ struct Push {
   double drift() const { return h * kick; }  // x_next = x + h v + drift M⁻¹(f + noise) [ps²]
   Vec3 force(const Vectors& f, int atom) const {  // f + noise on an atom [kJ/mol/nm]
     return noise ? Vec3(f.col(atom) + noise->col(atom)) : Vec3(f.col(atom));
+  }
+  Vec3 acceleration(const System& sys, const Vectors& f, int atom) const {  // [nm/ps²]
+    const Vec3 a = sys.inv_mass[atom] * force(f, atom);
+    return prescribed ? Vec3(a + prescribed->col(atom)) : a;
   }
 };
 

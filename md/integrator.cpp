@@ -29,13 +29,26 @@ StepPart of_bonds(const System& sys) {
 }  // namespace
 
 SolveStats Dynamics::project_positions(double h, State& s) const {
-  return in_part(of_bonds(sys), [&] { return method.project_positions(sys, h, s); });
+  if (anchors) anchors->arrive(s);
+  const SolveStats stats = in_part(of_bonds(sys), [&] { return method.project_positions(sys, h, s); });
+  if (anchors) anchors->add_work(MovingAnchors::Half::kFirst, h, sys, method.lambda(), s);
+  return stats;
 }
-SolveStats Dynamics::add_forces(const Push& push, State& s) const {
+SolveStats Dynamics::add_forces(Push push, State& s) const {
+  if (anchors) anchors->prescribe(s, push);
   return in_part(of_bonds(sys), [&] { return method.add_forces(sys, push, s); });
 }
 SolveStats Dynamics::project_velocities(double h, State& s) const {
-  return in_part(of_bonds(sys), [&] { return method.project_velocities(sys, h, s); });
+  if (anchors) anchors->give_velocities(s);
+  const SolveStats stats = in_part(of_bonds(sys), [&] { return method.project_velocities(sys, h, s); });
+  if (anchors) anchors->add_work(MovingAnchors::Half::kSecond, h, sys, method.lambda(), s);
+  return stats;
+}
+
+double Dynamics::after_step(double h, State& s) const {
+  const double heat = bath.after_step(sys, h, s);
+  if (anchors) anchors->give_velocities(s);  // which a thermostat has scaled
+  return heat;
 }
 
 void Integrator::renew_forces(double h, const System& sys, const Vectors* half_jump, State& s) {

@@ -6,6 +6,7 @@
 #include "md/bath.hpp"
 #include "md/constraint_method.hpp"
 #include "md/force_law.hpp"
+#include "md/moving_anchors.hpp"
 
 namespace taut {
 
@@ -15,11 +16,19 @@ struct Dynamics {
   ForceLaw& forces;
   ConstraintMethod& method;
   Bath& bath = no_bath();
+  MovingAnchors* anchors = nullptr;  // null: all stand
 
-  // The method's stages. What they take is the bonds' part of the step (md/step_parts.hpp).
+  // Before the drift: gives anchors that move their v½.
+  void set_off(double h, State& s) const {
+    if (anchors) anchors->set_off(h, s);
+  }
+  // The method's stages, with what anchors that move do in them. What they take is the bonds' part of the step
+  // (md/step_parts.hpp).
   SolveStats project_positions(double h, State& s) const;
-  SolveStats add_forces(const Push& push, State& s) const;
+  SolveStats add_forces(Push push, State& s) const;
   SolveStats project_velocities(double h, State& s) const;
+  // The bath's stage at the step's end. Returns the heat.
+  double after_step(double h, State& s) const;
 };
 
 // A rule by which dynamics moves a state from step to step.

@@ -14,6 +14,7 @@ void VelocityVerlet::initialize(const Dynamics& dynamics, double h, State& s) {
 
 SolveStats VelocityVerlet::advance(const Dynamics& dynamics, double h, State& s) {
   const System& sys = dynamics.sys;
+  dynamics.set_off(h, s);                                   // v½ of anchors that move
   half_kick_and_drift(sys, h, nullptr, s);                  // v½ = v + (h/2) M⁻¹f,  x' = x + h v½
   s.t += h;                                                 // forces that depend on time act at the new one
   SolveStats stats = dynamics.project_positions(h, s);      // σ(x') = 0, and v½ by as much over h
@@ -23,7 +24,7 @@ SolveStats VelocityVerlet::advance(const Dynamics& dynamics, double h, State& s)
   stats += dynamics.add_forces(Push::between_steps(h), s);  // f' = F' + C'
   half_kick(sys, h, nullptr, s);                            // v' = v½ + (h/2) M⁻¹f'
   stats += dynamics.project_velocities(h, s);               // σ̇ = Jv' = 0
-  if (stats.held()) account.heat += dynamics.bath.after_step(sys, h, s);  // thermostat, barostat
+  if (stats.held()) account.heat += dynamics.after_step(h, s);  // thermostat, barostat
   return stats;
 }
 

@@ -10,6 +10,7 @@
 #include "ensembles/ensemble.hpp"
 #include "ensembles/langevin.hpp"
 #include "ensembles/pressure.hpp"
+#include "md/moving_anchors.hpp"
 #include "md/velocity_verlet.hpp"
 #include "simulation/held_bonds.hpp"
 #include "simulation/metric_field.hpp"
@@ -37,17 +38,23 @@ struct HeardForces {
 struct Simulation::Inner {
   explicit Inner(Scene& scene);  // adds the metric correction to the scene's terms
 
-  Dynamics dynamics(const System& sys, ConstraintMethod& method) { return {sys, forces, method, ensemble}; }
+  Dynamics dynamics(const System& sys, ConstraintMethod& method) {
+    return {sys, forces, method, ensemble, anchors.empty() ? nullptr : &anchors};
+  }
+  // λ that hold the bonds at this very instant. s.f must not contain constraint forces.
+  const Eigen::VectorXd& multipliers(const System& sys, const State& s) {
+    return projector.multipliers(sys, s, anchors.empty() ? nullptr : &anchors.accelerations(s));
+  }
   Langevin* langevin() const { return dynamic_cast<Langevin*>(integrator.get()); }
 
   std::shared_ptr<MetricField> metric;  // of the scene; null: no metric correction
   RunForces forces;
   Ensemble ensemble;
+  MovingAnchors anchors;
   std::unique_ptr<Integrator> integrator = std::make_unique<VelocityVerlet>();
   Projector projector;
   DriftVelocity drift;
-  std::optional<Barometer> barometer;  // in a box
-  std::optional<HeldBonds> held;       // of run.tension_of
+  std::optional<HeldBonds> held;  // of run.tension_of
   struct Note {
     std::string numbers;             // what serialize_numbers() kept
     ForceField::Evaluation besides;  // and what evaluating them gave besides

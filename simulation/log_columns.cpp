@@ -103,7 +103,7 @@ std::vector<LogColumn> log_columns(const Scene& scene) {
          .unit = in_box ? "bar" : "kJ/mol/nm",
          .of = [w](const Record& r) { return r.walls[w]; },
          .use = Use::kMean});
-  if (scene.terms.worked_in_time())
+  if (scene.terms.worked_in_time() || !scene.motions.empty())
     columns.push_back({.title = "Steering Work (kJ/mole)",
                        .key = "steering_work_kj_mol",
                        .words = "steering work",
@@ -116,6 +116,13 @@ std::vector<LogColumn> log_columns(const Scene& scene) {
                        .words = "steering force",
                        .unit = "kJ/mol/nm",
                        .of = [](const Record& r) { return r.steering_force.value_or(kUnknown); },
+                       .use = Use::kMean});
+  for (std::size_t m = 0; m < scene.motions.size(); ++m)
+    columns.push_back({.title = fmt::format("Motion {} Power (kJ/mole/ps)", m),
+                       .key = fmt::format("motion_{}_power_kj_mol_ps", m),
+                       .words = fmt::format("power of motion {}", m),
+                       .unit = "kJ/mol/ps",
+                       .of = [m](const Record& r) { return r.motions[m]; },
                        .use = Use::kMean});
   for (std::size_t b = 0; b < scene.terms.biases.size(); ++b)
     std::ranges::copy(columns_of(scene.terms.biases[b], b), std::back_inserter(columns));

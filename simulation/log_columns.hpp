@@ -31,8 +31,8 @@ struct LogColumn {
 const std::vector<LogColumn>& common_columns();
 // That of a key. Throws std::out_of_range.
 const LogColumn& common_column(std::string_view key);
-// Those of a scene: the common ones, and those of its walls, steered atoms, pulls that change in time, biases and bonds of
-// run.tension_of.
+// Those of a scene: the common ones, and those of its walls, steered atoms, pulls that change in time, moving anchors,
+// biases and bonds of run.tension_of.
 std::vector<LogColumn> log_columns(const Scene& scene);
 // Those that log.csv has of a scene, and its first line.
 std::vector<LogColumn> columns_of_file(const Scene& scene);

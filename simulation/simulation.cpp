@@ -16,6 +16,7 @@
 #include "md/units.hpp"
 #include "simulation/fixed_momenta.hpp"
 #include "simulation/inner.hpp"
+#include "simulation/moving_bonds.hpp"
 #include "simulation/redundant_bonds.hpp"
 #include "simulation/soft_start.hpp"
 #include "simulation/unresolved_motion.hpp"
@@ -75,6 +76,7 @@ void refuse_unreachable_tolerance(const System& sys, const Vectors& x, double to
 Simulation::Inner::Inner(Scene& scene)
     : metric(add_metric_correction(scene)),
       forces(ForceField(scene.system, scene.start.box, scene.terms)),
+      anchors(scene.system, scene.motions),
       projector(scene.system),
       drift(scene.system) {}
 
@@ -92,6 +94,8 @@ Simulation::Simulation(Scene scene, const ThreadScope&, const Listen& listen)
   const System& sys = scene_.system;
   refuse_momentum_of_anchored_bonds(scene_);
   if (inner_->metric) refuse_springs_under_metric(*method_);
+  refuse_method_of_moved_bonds(sys, inner_->anchors, scene_.method, *method_);
+  refuse_thermostat_of_moved_bonds(sys, inner_->anchors, scene_.run);
   if (scene_.terms.worked_in_time()) inner_->ensemble.steering.emplace(inner_->forces.besides);
   size_sums();
   make_thermostat();
@@ -100,7 +104,6 @@ Simulation::Simulation(Scene scene, const ThreadScope&, const Listen& listen)
                       .listen = listen});
   note_start(listen);
   refuse_unreachable_tolerance(sys, state_.x, method_->promised_error());
-  if (state_.box.periodic()) inner_->barometer.emplace(sys, has_springs());
   count_degrees_of_freedom(fixed_motions(scene_, state_.x, state_.v));
   make_barostat();
   if (!scene_.run.tension_of.empty()) inner_->held.emplace(sys, scene_.run);
@@ -114,6 +117,7 @@ void Simulation::bring_to_the_bonds(const MinimiseGoal& goal, const OnMove& on_m
   if (goal.force > 0 && goal.soft)
     start_report_.pushed_apart = push_apart(scene_, state_, on_move, goal.listen);
   if (goal.force > 0) start_report_.minimised = minimise(sys, inner_->forces.field, goal, state_, on_move);
+  inner_->anchors.hold_still(state_.v);  // they get velocities of their own
   start_report_.anchors_stopped = rest_anchors(sys, state_.v);
   if (scene_.run.remove_momentum_every > 0) {
     start_report_.centre_stopped = momentum(sys, state_.v).norm() / sys.mass.sum();
@@ -146,7 +150,7 @@ void Simulation::begin_means() {
   size_sums();
   unaccounted_at_start_ = unaccounted();
   heat_at_start_ = inner_->integrator->account.heat;
-  if (inner_->ensemble.steering) steering_work_at_start_ = inner_->ensemble.steering->work();
+  work_from_outside_at_start_ = work_from_outside();
 }
 
 // For the header.
@@ -249,15 +253,14 @@ void Simulation::count_degrees_of_freedom(RigidMotions::Which fixed) {
 
 // A spring's multipliers are of its positions; a constraint's are solved for: those of a method's last solve
 // belong to the step before, or to a half of one.
+Eigen::VectorXd Simulation::multipliers(const State& of) const {
+  return has_springs() ? method_->lambda() : inner_->multipliers(scene_.system, of);
+}
+
 Eigen::VectorXd Simulation::bond_tensions() const {
   const ThreadScope own(threads_);
-  const System& sys = scene_.system;
-  Eigen::VectorXd lambda;
-  if (has_springs())
-    lambda = method_->lambda();
-  else
-    lambda = inner_->projector.multipliers(sys, {state_.x, state_.v, state_.F, state_.t, state_.box});
-  return tensions(full_, least_norm_multipliers(full_, state_.x, redundancy_.redundant, lambda));
+  return tensions(full_, least_norm_multipliers(full_, state_.x, redundancy_.redundant,
+                                                multipliers(without_constraint_forces())));
 }
 
 Energies Simulation::energies() const {
@@ -271,7 +274,7 @@ int Simulation::clusters() const {
 
 double Simulation::unaccounted(double kinetic) const {
   const auto& [work, heat] = inner_->integrator->account;
-  return kinetic + method_->spring_energy(scene_.system, state_.x) - work - heat;
+  return kinetic + method_->spring_energy(scene_.system, state_.x) - work - heat - inner_->anchors.work();
 }
 
 double Simulation::unaccounted() const {
@@ -323,13 +326,12 @@ Record Simulation::record(const Vectors& thermal) const {
 }
 
 std::optional<Eigen::Matrix3d> Simulation::pressure_tensor(const Vectors& thermal) const {
-  if (!inner_->barometer) return {};
+  if (!state_.box.periodic()) return {};
   const ThreadScope own(threads_);
   const State now{state_.x,
                   has_springs() ? kicked_velocity() : thermal,  // in which springs' motion has its part
                   state_.F, state_.t, state_.box};
-  return inner_->barometer->pressure(scene_.system, inner_->forces.field, now, inner_->forces.besides,
-                                     method_->lambda());
+  return pressure(scene_.system, inner_->forces.field, now, inner_->forces.besides, multipliers(now));
 }
 
 double Simulation::constraint_work() const {
@@ -338,6 +340,7 @@ double Simulation::constraint_work() const {
 
 void Simulation::change(const RunSettings& run) {
   const ThreadScope own(threads_);
+  refuse_thermostat_of_moved_bonds(scene_.system, inner_->anchors, run);
   const RunSettings before = std::exchange(scene_.run, run);
   if (inner_->metric) inner_->metric->set_kT(kBoltzmann * run.temperature_k);
   if (same_thermostat(before, run) && same_barostat(before, run)) return;
@@ -377,7 +380,8 @@ void Simulation::serialize_numbers(Archive& archive) {
   archive.demand(0 <= sums_.last_row && sums_.last_row <= progress_.step && 0 <= sums_.rows &&
                  sums_.rows <= progress_.step + 1 && sums_.rows <= sums_.steps);
   archive(*temperatures_, inner_->forces.field, unaccounted_at_start_, heat_at_start_);
-  if (inner_->ensemble.steering) archive(steering_work_at_start_);
+  if (works_from_outside()) archive(work_from_outside_at_start_);
+  archive(inner_->anchors);
   archive(*method_);
   archive(inner_->ensemble, inner_->integrator->account, *inner_->integrator);
 }

@@ -62,15 +62,17 @@ struct Record {
   Eigen::Matrix3d pressure_tensor;  // [bar]
   std::vector<double>
       walls;  // pressure of the atoms on each wall [bar]; without a box their force [kJ/mol/nm]
-  std::optional<double> steering_work;  // done by the moving ends of springs since the start [kJ/mol]
+  // Done since the start by the moving ends of springs, and by who moves anchors [kJ/mol].
+  std::optional<double> steering_work;
   std::optional<double>
       steering_force;               // mean over steered atoms, or over pulls that change in time [kJ/mol/nm]
   std::vector<BiasReading> biases;  // of an angle or torsion in degrees
+  std::vector<double> motions;      // power of who moves the anchors of each [kJ/mol/ps]
   std::optional<double> bath_temperature;  // of the thermostat [K]
   std::optional<HeldTension> held;         // where run.tension_of asks for it
 
   double total() const { return potential + kinetic; }
-  // What neither thermostat nor barostat nor a steered atom's spring brought.
+  // What neither thermostat nor barostat nor what moves springs' ends and anchors brought.
   double but_for_heat() const { return total() - heat.value_or(0) - steering_work.value_or(0); }
 };
 
@@ -253,6 +255,10 @@ class Simulation {
   void make_barostat();
   void count_degrees_of_freedom(RigidMotions::Which fixed);
   SolveStats take_step();
+  bool works_from_outside() const { return scene_.terms.worked_in_time() || !scene_.motions.empty(); }
+  double work_from_outside() const;  // so far [kJ/mol]
+  State without_constraint_forces() const { return {state_.x, state_.v, state_.F, state_.t, state_.box}; }
+  Eigen::VectorXd multipliers(const State& of) const;  // that hold the bonds of one without
   bool has_springs() const { return method_->holds() == ConstraintMethod::Holds::kSprings; }
   Vectors without_stretching(Vectors v) const;
   Vectors kicked_velocity() const;  // v + (h/2)M⁻¹f
@@ -324,7 +330,7 @@ class Simulation {
   struct Inner;
   std::unique_ptr<Inner> inner_;
   double unaccounted_at_start_ = 0, heat_at_start_ = 0,
-         steering_work_at_start_ = 0;  // or where the thermostat was changed
+         work_from_outside_at_start_ = 0;  // or where the thermostat was changed
   std::unique_ptr<ConstraintMethod> method_;
   State state_;
   DegreesOfFreedom dof_;

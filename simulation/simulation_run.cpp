@@ -97,7 +97,11 @@ long Simulation::steps_since_row() const {
 HeldTension Simulation::held_tension(const Vectors& thermal) const {
   if (has_springs()) return inner_->held->of(method_->lambda(), nullptr);
   const State now{state_.x, thermal, state_.F, state_.t, state_.box};
-  return inner_->held->of(inner_->projector.multipliers(scene_.system, now), &inner_->projector);
+  return inner_->held->of(inner_->multipliers(scene_.system, now), &inner_->projector);
+}
+
+double Simulation::work_from_outside() const {
+  return inner_->anchors.work() + (inner_->ensemble.steering ? inner_->ensemble.steering->work() : 0);
 }
 
 Record Simulation::full_record(const Vectors& thermal) const {
@@ -113,10 +117,13 @@ Record Simulation::full_record(const Vectors& thermal) const {
     for (std::size_t w = 0; w < r.walls.size(); ++w)
       r.walls[w] *= kBarPerUnit * state_.box.edge[scene_.terms.walls[w].axis] / state_.box.volume();
   if (scene_.run.thermostatted()) r.bath_temperature = scene_.run.bath_temperature(state_.t);
-  if (inner_->ensemble.steering) {
-    r.steering_work = inner_->ensemble.steering->work() - steering_work_at_start_;
-    if (scene_.terms.steered_in_time()) r.steering_force = inner_->forces.besides.steering.force;
-  }
+  if (works_from_outside()) r.steering_work = work_from_outside() - work_from_outside_at_start_;
+  if (scene_.terms.steered_in_time()) r.steering_force = inner_->forces.besides.steering.force;
+  if (!scene_.motions.empty())
+    r.motions = inner_->anchors.powers(
+        scene_.system,
+        scene_.system.one_sided.empty() ? multipliers(without_constraint_forces()) : method_->lambda(),
+        state_);
   if (inner_->held) r.held = held_tension(thermal);
   r.constraint_work = unaccounted(r.kinetic) - unaccounted_at_start_;
   if (const auto tensor = pressure_tensor(thermal)) {
@@ -288,7 +295,7 @@ Summary Simulation::summary(const Record& end, double seconds, const PartMeter& 
   s.off_by_k = off_by_k((inner_->ensemble.barostat ? s.constraint_drift : s.drift).value);
   s.temperature = sums_.temperature.estimate().value;
   s.start_and_end = start_and_end(end);
-  if (inner_->barometer) {
+  if (state_.box.periodic()) {
     s.pressure = sums_.pressure.estimate();
     s.volume = sums_.volume.estimate();
     s.density = sums_.density.estimate();

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "simulation/inner.hpp"
+#include "simulation/moving_bonds.hpp"
 
 namespace taut {
 
@@ -57,6 +58,7 @@ void Simulation::change_step(double dt_fs, const MethodOptions& method) {
   const auto probe = make_method(scene_.system, method, dt_fs * 1e-3);
   if (inner_->metric) refuse_springs_under_metric(*probe);
   refuse_unreachable_tolerance(scene_.system, state_.x, probe->promised_error());
+  refuse_method_of_moved_bonds(scene_.system, inner_->anchors, method, *probe);
   const double dt_before = std::exchange(scene_.run.dt_fs, dt_fs);
   const MethodOptions method_before = std::exchange(scene_.method, method);
   const Vectors x = state_.x, v = state_.v;
@@ -70,7 +72,6 @@ void Simulation::change_step(double dt_fs, const MethodOptions& method) {
     throw;
   }
   note_unresolved_motion();
-  if (inner_->barometer) inner_->barometer.emplace(scene_.system, has_springs());
   make_barostat();
 }
 

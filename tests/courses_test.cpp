@@ -2,12 +2,31 @@
 
 #include <gmock/gmock.h>
 
+#include "base/smooth_course.hpp"
 #include "kept_state.hpp"
 #include "scene_text.hpp"
 #include "simulation/simulation.hpp"
 
 namespace taut::courses_tests {
 namespace {
+
+TEST(SmoothCourse, GoesThroughItsPointsWithContinuousVelocityAndIsAtRestAtBothEnds) {
+  const SmoothCourse way(
+      {{1, {0, 0, 0}}, {1.5, {1, 0, 2}}, {3, {0, 1, -1}}, {3.2, {0, 2, 0}}, {5, {1, 1, 1}}});
+  EXPECT_EQ(way.at(1.5).place, Vec3(1, 0, 2));
+  EXPECT_LT((way.at(3.2).place - Vec3(0, 2, 0)).norm(), 1e-14);
+  for (const double end : {0.0, 1.0, 5.0, 9.0}) EXPECT_LT(way.at(end).velocity.norm(), 1e-14) << end;
+  EXPECT_EQ(way.at(9).place, Vec3(1, 1, 1));
+  const double e = 1e-6;
+  for (const double t : {1.0, 1.2, 1.5, 3.0, 3.1, 3.2, 4.0, 5.0}) {
+    const auto before = way.at(t - e), after = way.at(t + e);
+    EXPECT_LT((after.velocity - before.velocity).norm(), 1e-3) << t;
+    EXPECT_LT(((after.place - before.place) / (2 * e) - way.at(t).velocity).norm(), 1e-4) << t;
+    if (t == 1 || t == 5) continue;
+    EXPECT_LT((after.acceleration - before.acceleration).norm(), 1e-3) << t;
+    EXPECT_LT(((after.velocity - before.velocity) / (2 * e) - way.at(t).acceleration).norm(), 1e-3) << t;
+  }
+}
 
 TEST(Course, IsConstantOutsideAndStraightBetween) {
   const Course course({{10, 300}, {20, 400}, {40, 100}});

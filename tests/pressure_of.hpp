@@ -1,5 +1,6 @@
 #pragma once
 
+#include "constraints/projection.hpp"
 #include "ensembles/pressure.hpp"
 
 namespace taut::tests {
@@ -9,8 +10,7 @@ inline Eigen::Matrix3d pressure_of(const System& sys, ForceField& forces, State 
                                    const Eigen::VectorXd* springs = nullptr) {
   ForceField::Evaluation besides;
   forces.evaluate(sys, s, besides);
-  return Barometer(sys, springs != nullptr)
-      .pressure(sys, forces, s, besides, springs ? *springs : Eigen::VectorXd());
+  return pressure(sys, forces, s, besides, springs ? *springs : Projector(sys).multipliers(sys, s));
 }
 
 }  // namespace taut::tests

@@ -146,7 +146,7 @@ SolveStats Baumgarte::set_targets(const System& sys, const Push& push, const Sta
     const int side = sys.side(k);
     const double sigma_now = sigma(r_.col(k), d);
     const double sigma_before = sigma(r_.col(k) - push.last_h() * v_half_.col(k), d);
-    a_.col(k) = sys.inv_mass[j] * push.force(s.f, j) - sys.inv_mass[i] * push.force(s.f, i);
+    a_.col(k) = push.acceleration(sys, s.f, j) - push.acceleration(sys, s.f, i);
     free_.col(k) = r_.col(k) + push.h * v_half_.col(k) + push.drift() * a_.col(k);
     now.see((side == 0 ? std::abs(sigma_now) : std::max(0.0, -side * sigma_now)) / (d * d), k);
     if (side == 0)

@@ -104,6 +104,7 @@ SolveStats Lincs::project_positions(const System& sys, double h, State& s) {
   }
   sum_ = g_ / h;
   add_constraint_acceleration(sys, directions_, sum_, s.v);
+  find_lambda(sys, 2 / (h * h));
   return {options_.iterations + 1, residual.value, residual.bond};
 }
 
@@ -116,8 +117,13 @@ SolveStats Lincs::project_velocities(const System& sys, double h, State& s) {
   find_coupling();
   g_.setZero();
   apply(sys, s.v);
-  for (int k = 0; k < sys.bond_count(); ++k) lambda_[k] = 2 / h * g_[k] / sys.bonds[k].length;
+  find_lambda(sys, 2 / h);
   return {1};
+}
+
+// g along the directions, as forces along the bonds.
+void Lincs::find_lambda(const System& sys, double by) {
+  for (int k = 0; k < sys.bond_count(); ++k) lambda_[k] = by * g_[k] / sys.bonds[k].length;
 }
 
 std::string Lincs::setting() const {

@@ -61,6 +61,7 @@ class Lincs : public ConstraintMethod {
   void multiply(Eigen::Index entries);
   void find_coupling();                       // C from directions_
   void apply(const System& sys, Vectors& y);  // y −= M⁻¹BᵀS (I − C)⁻¹ rhs, and g_ += its multipliers
+  void find_lambda(const System& sys, double by);
 
   Options options_;
   Couplings couplings_;                             // those inside triangles first

@@ -4,15 +4,13 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <numbers>
-#include <set>
 
-#include "base/nearest_name.hpp"
 #include "base/words.hpp"
+#include "systems/builders/named_atoms.hpp"
 #include "systems/molecules/rows.hpp"
 #include "systems/molecules/whole_molecules.hpp"
 
@@ -21,48 +19,6 @@ namespace {
 
 constexpr double kNoWall = std::numeric_limits<double>::infinity();
 constexpr double kDegree = std::numbers::pi / 180;
-
-std::optional<int> whole_number(std::string_view text) {
-  int number = 0;
-  const auto read = std::from_chars(text.data(), text.data() + text.size(), number);
-  return read.ec == std::errc() && read.ptr == text.data() + text.size() ? std::optional(number)
-                                                                         : std::nullopt;
-}
-
-// Adds the atoms that one word of a group names: "7", "-1", the span "10-29", or all atoms of a name.
-void add_atoms(const TomlTable& bias, std::size_t group, const std::string& word, const Scene& scene,
-               std::vector<int>& atoms) {
-  const int all = scene.system.atoms();
-  const auto expect_there = [&](int a) {
-    if (a < 0 || a >= all)
-      bias.fail("groups", group, fmt::format("there is no atom {}, only 0 to {}", word, all - 1));
-    return a;
-  };
-  if (const auto one = whole_number(word)) {
-    atoms.push_back(expect_there(*one < 0 ? *one + all : *one));
-    return;
-  }
-  const std::size_t dash = word.find('-');
-  const auto first = whole_number(word.substr(0, dash));
-  if (const auto last = dash == word.npos ? std::nullopt : whole_number(word.substr(dash + 1));
-      first && last) {
-    if (*last < *first)
-      bias.fail("groups", group, fmt::format("\"{}\": expected a span, as \"10-29\"", word));
-    for (int a = expect_there(*first); a <= expect_there(*last); ++a) atoms.push_back(a);
-    return;
-  }
-  std::set<std::string_view> seen;
-  const std::size_t before = atoms.size();
-  for (int a = 0; a < all; ++a) {
-    const std::string& name = scene.names.kinds[scene.names.kind[a]].atom;
-    seen.insert(name);
-    if (name == word) atoms.push_back(a);
-  }
-  if (atoms.size() == before)
-    bias.fail("groups", group,
-              fmt::format("no atom is called \"{}\"{}", one_line(word),
-                          did_you_mean(word, {seen.begin(), seen.end()})));
-}
 
 void read_groups(const TomlTable& keys, const Scene& scene, Bias& bias) {
   const std::size_t groups = keys.size(
@@ -76,9 +32,7 @@ void read_groups(const TomlTable& keys, const Scene& scene, Bias& bias) {
               fmt::format("{} needs {} of atoms in `groups`, got {}", name_of(bias.variable),
                           counted(static_cast<long>(expected), "group"), groups));
   for (std::size_t g = 0; g < groups; ++g) {
-    std::vector<int> atoms;
-    for (const std::string& word : keys.words("groups", g)) add_atoms(keys, g, word, scene, atoms);
-    bias.groups.push_back(make_group(scene.system, std::move(atoms)));
+    bias.groups.push_back(make_group(scene.system, read_named_atoms(keys, "groups", g, scene)));
   }
 }
 

@@ -70,6 +70,7 @@ class Writer {
     if (!terms.pulls.empty() || !terms.restraints.empty() || !terms.steered.empty() || !terms.own.empty() ||
         scene_.run.metric_correction)
       refuse_for_lammps("forces from outside; add them to the input by hand");
+    if (!scene_.motions.empty()) refuse_for_lammps("anchors that move; add fix move to the input by hand");
     if (terms.nonbonded && terms.nonbonded->switch_distance)
       refuse_for_lammps("a switch of Lennard-Jones; leave forcefield.switch_nm out");
     if (terms.nonbonded && terms.nonbonded->cutoff && !terms.nonbonded->pme &&

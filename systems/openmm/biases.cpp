@@ -16,7 +16,7 @@ constexpr const char* kLaw = "0.5*k*(step(v-b)*(v-b)^2+step(a-v)*(a-v)^2)-F*v; v
 // A force on centres of groups, with the names of what each of its terms says. Terms are added by add_term().
 class CentroidForce {
  public:
-  CentroidForce(Node to, std::string energy, int groups, bool takes_images, const Names& names)
+  CentroidForce(Node to, std::string energy, int groups, bool takes_images, const ParameterNames& names)
       : force_(write_force(to, "CustomCentroidBondForce",
                            {{"energy", &energy}, {"usesPeriodic", &takes_images}})) {
     put(force_, "groups", groups);
@@ -93,7 +93,7 @@ void write_on_centres(Node to, const Bias& bias, const Box& box) {
     parameters.insert(parameters.end(), {{"nx", n.x()}, {"ny", n.y()}, {"nz", n.z()}});
     if (box.periodic()) parameters.emplace_back("edge", n.cwiseAbs().dot(box.edge));
   }
-  Names names;
+  ParameterNames names;
   std::vector<double> values;
   for (const auto& [name, value] : parameters) names.push_back(name), values.push_back(value);
   CentroidForce force(to, energy_of(bias, box.periodic()), groups_of(bias.variable), box.periodic(), names);

@@ -138,7 +138,7 @@ void write_nonbonded(Node forces, const Nonbonded& from, const Box& box) {
 // Writes a custom force whose terms are called "Bond", "Angle" or "Torsion": each term's atoms and its numbers, which are
 // named once.
 template <class Term>
-void write_custom(Node forces, const std::string& called, std::string energy, const Names& names,
+void write_custom(Node forces, const std::string& called, std::string energy, const ParameterNames& names,
                   const std::vector<Term>& terms, const auto& numbers) {
   if (terms.empty()) return;
   bool takes_images = false;
@@ -186,7 +186,7 @@ void write_lj_table(Node forces, const Nonbonded& from, const Box& box) {
   force.append_child("InteractionGroups");
 }
 
-Node write_external(Node forces, std::string energy, Names of_each, NamedValues of_all) {
+Node write_external(Node forces, std::string energy, ParameterNames of_each, NamedValues of_all) {
   Node force = write_force(forces, "CustomExternalForce", {{"energy", &energy}});
   write_parameters(force, "PerParticleParameters", of_each, of_all);
   return force.append_child("Particles");
@@ -208,7 +208,7 @@ void write_restraints(Node forces, const std::vector<Restraint>& restraints, con
   std::map<std::string, Node> lists;  // by their energies
   for (Restraint one : restraints) {
     one.takes_image &= box.periodic();
-    Names names;
+    ParameterNames names;
     std::vector<double> numbers;
     const auto say = [&](const char* name, double number) {
       names.emplace_back(name);

@@ -337,6 +337,11 @@ Scene import_openmm(const XmlFile& system, const XmlFile& state) {
 }
 
 OpenMMInput openmm_input(const Scene& scene) {
+  if (!scene.motions.empty())
+    throw InputError(
+        fmt::format("OpenMM cannot express it: atom {} is an anchor that moves (motion.0), and OpenMM's "
+                    "particles of mass 0 stand",
+                    scene.motions.front().atoms.front()));
   if (scene.run.metric_correction)
     throw InputError(
         "OpenMM cannot express it: run.metric_correction, Fixman's potential, depends on all bonds of a "

@@ -19,7 +19,8 @@ Node write_force(Node forces, const char* type, const std::vector<Field>& fields
   return force;
 }
 
-void write_parameters(Node force, const char* each, const Names& of_each, const NamedValues& of_all) {
+void write_parameters(Node force, const char* each, const ParameterNames& of_each,
+                      const NamedValues& of_all) {
   Node list = force.append_child(each);
   for (const char* name : of_each) put(list.append_child("Parameter"), "name", name);
   write_global_parameters(force, of_all);

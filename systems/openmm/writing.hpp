@@ -24,9 +24,9 @@ Node write_force(Node forces, const char* type, const std::vector<Field>& fields
 
 // The parameters of a custom force: names of the per-term ones (`each`), and the global ones with their
 // values.
-using Names = std::vector<const char*>;
+using ParameterNames = std::vector<const char*>;
 using NamedValues = std::vector<std::pair<const char*, double>>;
-void write_parameters(Node force, const char* each, const Names& of_each, const NamedValues& of_all);
+void write_parameters(Node force, const char* each, const ParameterNames& of_each, const NamedValues& of_all);
 void write_global_parameters(Node force, const NamedValues& values);
 
 // A term of a custom force: its atoms, and its parameters in order.

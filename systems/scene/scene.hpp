@@ -10,6 +10,7 @@
 #include "base/names.hpp"
 #include "constraints/registry.hpp"
 #include "forcefield/terms.hpp"
+#include "md/moving_anchors.hpp"
 #include "md/state.hpp"
 #include "md/system.hpp"
 
@@ -64,6 +65,7 @@ struct Scene {
   std::string hard_on;  // one sentence
   System system;
   Terms terms;
+  std::vector<AnchorMotion> motions;                       // of anchors, which stand without one
   Names names;                                             // names of the atoms, for files
   State start;                                             // x and v, not yet projected onto the bonds
   bool positions_drawn = false, velocities_drawn = false;  // from run.seed
@@ -87,7 +89,7 @@ struct Scene {
  private:
   bool driven() const {
     return terms.gravity || !terms.pulls.empty() || !terms.walls.empty() || !terms.steered.empty() ||
-           foreign_fields();
+           foreign_fields() || !motions.empty();
   }
 };
 

@@ -11,6 +11,7 @@
 #include "forcefield/force_field.hpp"
 #include "systems/builders/biases.hpp"
 #include "systems/builders/builders.hpp"
+#include "systems/builders/motions.hpp"
 #include "systems/openmm/force_overrides.hpp"
 #include "systems/scene/net_pull.hpp"
 #include "systems/scene/run_keys.hpp"
@@ -185,7 +186,7 @@ Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::tab
   const TomlTable root(base, file.string(), how.keys);
   read_words(root, scene);
   read_run(root.section("run"), scene.run);
-  for (const char* known : {"run", "method", "atom", "molecule", "place", "pair", "wall", "bias"})
+  for (const char* known : {"run", "method", "atom", "molecule", "place", "pair", "wall", "bias", "motion"})
     root.has(known);
   const TomlTable build_keys = root.section("build"), forcefield_keys = root.section("forcefield");
   const TomlTable run_keys = root.section("run");
@@ -193,6 +194,7 @@ Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::tab
   build({root, build_keys, forcefield_keys, scene.run, how.listen}, scene);
   hear(how.listen);
   read_biases(root, scene);
+  read_motions(root, scene);
   const bool one_sided = !scene.system.one_sided.empty();
   scene.method = default_options(one_sided ? kUsualOneSidedMethod : kUsualMethod);
   read_method(root, scene.method);
@@ -263,6 +265,7 @@ std::vector<Key> every_key() {
   describe("", [](const TomlTable& root, Scene& scene) {
     read_words(root, scene);
     read_biases(root, scene);
+    read_motions(root, scene);
     read_run(root.section("run"), scene.run);
     scene.method = default_options(kUsualMethod);
     read_name(root.section("method"), scene.method);
@@ -303,6 +306,7 @@ void apply_overrides(Scene& scene, const std::vector<std::string>& overrides, Ke
   read_settings(root, scene);
   if (keys || root.has("forcefield") || root.has("build")) override_forces(root, scene);
   read_biases(root, scene);
+  read_motions(root, scene);
   root.reject_unknown();
   const TomlTable run = root.section("run");
   settle_pulls(run, scene);

@@ -59,10 +59,9 @@ MethodOptions method_in_word(const std::string& word);
 // several kinds or methods describe alike is listed once.
 std::vector<Key> every_key();
 // The sections of keys; "start" has those of the file that build.start names.
-inline constexpr std::array<std::string_view, 13> kSections = {
-    "",     "atom.NAME", "molecule.NAME", "molecule.NAME.tables", "place", "pair",
-    "wall", "bias",      "build",         "forcefield",           "run",   "method",
-    "start"};
+inline constexpr std::array<std::string_view, 14> kSections = {
+    "",     "atom.NAME", "molecule.NAME", "molecule.NAME.tables", "place", "pair",   "wall",
+    "bias", "motion",    "build",         "forcefield",           "run",   "method", "start"};
 
 struct SceneSummary {
   std::string name, hard_on;
