@@ -169,7 +169,7 @@ class RowSum {
       const V(&r2)[1] = at.r2[place];
       V(&term)[1] = out.of[place];
       law_.template pairs<1>(atoms_[v], {4 * cluster + part * S::kColumns}, r2, at.guess[place], term);
-      term[0] = hn::IfThenElseZero(hn::Not(r2[0] > cutoff2_), term[0]);  // NaN must show
+      term[0] = hn::IfThenZeroElse(r2[0] > cutoff2_, term[0]);  // NaN must show
     }
   }
 
