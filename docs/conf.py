@@ -4,7 +4,7 @@ project = "taut"
 author = "the authors of taut"
 root_doc = "docs/index"
 extensions = ["myst_parser", "sphinx.ext.autodoc"]
-include_patterns = ["docs/*.md", "docs/lab/README.md", "CHANGELOG.md", "README.md",
+include_patterns = ["docs/*.md", "docs/lab/README.md", "docs/paper/README.md", "CHANGELOG.md", "README.md",
                     "CONTRIBUTING.md", "constraints/README.md", "systems/README.md",
                     "systems/KEYS.md", "lammps/README.md", "benchmarks/README.md", "tests/README.md",
                     "tests/portability/README.md", "docs/study/README.md", "openmm_plugin/README.md",
