@@ -55,7 +55,7 @@ std::string speed_line(const Simulation& simulation) {
   const bool mixed = terms.precision == Precision::kMixed;
   const int threads = simulation.threads(), cores = usable_cores(),
             busy = std::min(threads, threads_in_team());
-  const int other = busy < threads ? busy : threads < cores ? cores : 1;
+  const int other = busy < threads ? std::min(busy, cores) : threads < cores ? cores : 1;
   return fmt::format("{}{} of {}{}{}",
                      terms.nonbonded || terms.wca || terms.tabulated_pairs
                          ? fmt::format("{} precision (change with --precision {}), ",
