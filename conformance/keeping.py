@@ -1,7 +1,7 @@
 """How verdicts are kept in results/RUNNER.VARIANT.json: those passed and without a value in short, the others whole.
 
-`passed` has for each case its asks with [error, tolerance], `not offered` and `not done` for each reason the cases and asks, `verdicts`
-what failed or was refused, with a reason where it differs from that of the verdict before."""
+`passed` has for each case its asks with [error, tolerance], `not offered` and `not done` for each reason the cases and
+asks, `verdicts` what failed or was refused, with a reason where it differs from that of the verdict before."""
 
 from __future__ import annotations
 
