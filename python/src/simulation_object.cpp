@@ -203,6 +203,9 @@ void PythonSimulation::set_box(const Eigen::Matrix3d& vectors) {
   expect_this_process();
   if (!run_.simulation->state().box.periodic())
     throw InputError("box: the system has none; make a Simulation with a box");
+  if (run_.simulation->scene().system.images.periodic())
+    throw InputError(
+        "box: a cluster of rigid bonds goes around it to its own image, and bonds do not change with a box");
   if (const std::string flaw = Box::flaw(vectors); !flaw.empty()) throw InputError("box: " + flaw);
   const Box box = Box::of(vectors);
   if (const std::string flaw = lack_of_room(run_.simulation->scene().terms, box); !flaw.empty())

@@ -88,6 +88,18 @@ def test_the_box_is_assigned(coulomb):
         taut.Simulation("pair").box = [2, 2, 2]
 
 
+def test_the_box_of_bonds_that_go_around_it_stays(tmp_path):
+    atoms = "".join(f"{n + 1} 1 1 {n / 3} {0.2 * (n % 2)} 0\n" for n in range(3))
+    (tmp_path / "loop.data").write_text(f"loop\n\n3 atoms\n3 bonds\n1 atom types\n1 bond types\n\n0 1 xlo xhi\n0 1 ylo yhi\n"
+                                        f"0 1 zlo zhi\n\nMasses\n\n1 10\n\nBond Coeffs # harmonic\n\n1 1 0.39\n\n"
+                                        f"Atoms # bond\n\n{atoms}\nBonds\n\n1 1 1 2\n2 1 2 3\n3 1 3 1\n")
+    (tmp_path / "loop.toml").write_text('[build]\nkind = "lammps"\ndata = "loop.data"\nunits = "lj"\nrigid_bonds = [1]\n')
+    sim = taut.Simulation(tmp_path / "loop.toml")
+    with pytest.raises(taut.InputError, match="box: a cluster of rigid bonds goes around it"):
+        sim.box = [1.1, 1, 1]
+    sim.run(5)
+
+
 def test_a_box_that_forces_refuse_is_undone():
     class Wall(taut.Force):
         broken = False
