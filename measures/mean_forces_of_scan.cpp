@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -203,9 +204,13 @@ std::vector<MeanForces> mean_forces(const std::vector<RunGroup>& groups) {
                   .kT = kBoltzmann * scene.run.temperature_k,
                   .corrected = corrected_in(scene),
                   .flaw = {},
+                  .seeds_shared = false,
                   .lengths = {}};
     std::vector<const Scene*> scenes;
+    std::set<std::uint64_t> seeds;
     for (const RunGroup* group : curve.groups) {
+      for (const MeasuredRun& run : group->runs)
+        of.seeds_shared |= !seeds.insert(run.scene().run.seed).second;
       scenes.push_back(&group->runs.front().scene());
       if (of.flaw.empty()) of.flaw = flaw_of_mean_force(*scenes.back());
     }
@@ -236,6 +241,10 @@ std::string in_words(const MeanForces& of, int width) {
                               of.corrected),
                   width, 4) +
           "\n";
+  if (of.seeds_shared)
+    text +=
+        "  in doubt: runs share random numbers, so that their errors add up to more; --pmf gives each its "
+        "own\n";
   double error = 0;
   for (const FreeEnergies& e : of.lengths) error = std::max(error, e.potential.error);
   const double spacing = error_of_spacing(of.lengths, of.kT);

@@ -14,11 +14,12 @@ inline constexpr const char* kMeanForce = "mean_force";  // the name of its tabl
 
 // What groups of runs along the length of a bond of run.tension_of come to: its potential of mean force.
 struct MeanForces {
-  ScanValues values;      // of the other keys that the scan varies
-  std::string bond;       // "bond 0-1", "12 bonds"
-  double kT = 0;          // [kJ/mol]
-  std::string corrected;  // what stands between the mean force and the potential, in words
-  std::string flaw;       // why there is no potential; empty: there is
+  ScanValues values;          // of the other keys that the scan varies
+  std::string bond;           // "bond 0-1", "12 bonds"
+  double kT = 0;              // [kJ/mol]
+  std::string corrected;      // what stands between the mean force and the potential, in words
+  std::string flaw;           // why there is no potential; empty: there is
+  bool seeds_shared = false;  // by runs at several lengths
   std::vector<FreeEnergies> lengths;
 
   std::string label() const;
