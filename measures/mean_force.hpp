@@ -27,7 +27,7 @@ struct FreeEnergies {
 // or two lengths the parabola or the line through all.
 std::vector<FreeEnergies> integrate_mean_force(const std::vector<HeldLength>& lengths, double kT);
 
-// What the potential is off, at most, for the spacing of its lengths. Without every other length it changes by so much at
+// About what the potential is off for the spacing of its lengths. Without every other length it changes by so much at
 // the lengths that remain, of which a fifteenth is left with all, as Richardson has it of the fourth order. 0 for fewer
 // lengths than kLengthsToJudge, which cannot tell [kJ/mol].
 constexpr std::size_t kLengthsToJudge = 5;
