@@ -201,5 +201,63 @@ cutoff_nm = 1
   EXPECT_GT(balls.row(0).maxCoeff() - balls.row(0).minCoeff(), 1);
 }
 
+// Each pair of kinds has its own σ and ε: by Lorentz and Berthelot's rule, or those of a [[pair]].
+TEST(MoleculeForces, OfRepulsiveBeadsAreOfEachPairOfKinds) {
+  const std::string text = R"([molecule.small]
+atoms = [{name = "S", mass_u = 1, sigma_nm = 0.3, epsilon_kj_mol = 1}]
+[molecule.wide]
+atoms = [{name = "W", mass_u = 2, sigma_nm = 0.5, epsilon_kj_mol = 4}]
+[molecule.none]
+atoms = [{name = "N", mass_u = 2}]
+[[place]]
+molecule = "small"
+centres_nm = [[0, 0, 0], [0.28, 0, 0], [5, 0.46, 0]]
+[[place]]
+molecule = "wide"
+centres_nm = [[0, 0.38, 0], [5, 0, 0]]
+[[place]]
+molecule = "none"
+centres_nm = [[0.1, 0.1, 0]]
+[forcefield]
+pair = "wca"
+[run]
+dt_fs = 0.1
+steps = 2000
+)";
+  const auto wca = [](double sigma, double epsilon, double r) {
+    const double s6 = std::pow(sigma / r, 6);
+    return s6 > 0.5 ? epsilon * (4 * (s6 * s6 - s6) + 1) : 0.0;
+  };
+  const double across = std::hypot(0.28, 0.38);
+  const Scene scene = read(text);
+  EXPECT_FALSE(scene.terms.wca || scene.terms.nonbonded);
+  EXPECT_EQ(scene.terms.tabulated_pairs->potentials.size(), 3u);
+  EXPECT_NEAR(energy_of(scene), wca(0.3, 1, 0.28) + wca(0.4, 2, 0.38) + wca(0.4, 2, across), 1e-6);
+  EXPECT_EQ(wca(0.4, 2, 0.46), 0);
+  const Scene paired = read(text + "[[pair]]\natoms = [\"S\", \"W\"]\nsigma_nm = 0.42\nepsilon_kj_mol = 3\n");
+  EXPECT_NEAR(energy_of(paired),
+              wca(0.3, 1, 0.28) + wca(0.42, 3, 0.38) + wca(0.42, 3, across) + wca(0.42, 3, 0.46), 1e-6);
+  EXPECT_NEAR(energy_of(through_openmm(paired)), energy_of(paired), 1e-9);
+  Simulation simulation(scene);
+  const double before = simulation.record().total();
+  simulation.run({});
+  EXPECT_NEAR(simulation.record().total(), before, 5e-4);  // 5 kJ/mol became motion
+  EXPECT_GT(simulation.record().kinetic, 1);
+  const SceneText chain{R"([molecule.chain]
+atoms = [{name = "S", mass_u = 1, sigma_nm = 0.3, epsilon_kj_mol = 1},
+         {name = "W", mass_u = 2, sigma_nm = 0.5, epsilon_kj_mol = 4}]
+units = 3
+bonds = [[0, 1, 0.4], [1, 2, 0.4]]
+lennard_jones_14 = 1
+[[place]]
+molecule = "chain"
+count = 1
+[forcefield]
+pair = "wca"
+)"};
+  expect_said(chain, {{"14 = 1", "14 = 0.5", "of wca pairs three bonds apart have all or nothing"}});
+  EXPECT_EQ(read(chain.text).terms.tabulated_pairs->exclusions.size(), 5u + 4u);
+}
+
 }  // namespace
 }  // namespace taut::molecule_forces_tests

@@ -224,11 +224,6 @@ pair = "wca"
   EXPECT_NEAR(scene.start.box.volume(), 200, 1e-9);
   EXPECT_NEAR((scene.start.x.col(1) - scene.start.x.col(0)).norm(), 0.97, 1e-12);
   EXPECT_EQ(read(with(text, "exclude = \"none\"", "")).terms.wca->exclusions.size(), 4u * (9 + 8));
-  EXPECT_THAT(complaint(with(text, "[[place]]",
-                             "[molecule.wide]\natoms = [{name = \"W\", mass_u = 1, sigma_nm = 2, "
-                             "epsilon_kj_mol = 1}]\n[[place]]\nmolecule = \"wide\"\ncount = 1\n"
-                             "[[place]]")),
-              HasSubstr("forcefield.pair: wca takes one sigma_nm and one epsilon_kj_mol for all atoms"));
   EXPECT_THAT(scene.notes, testing::Not(testing::Contains(HasSubstr("fene"))));
   EXPECT_THAT(read(with(text, "exclude = \"none\"", "")).notes,
               testing::Contains(HasSubstr("fene: nothing keeps the ends of 36 springs apart")));

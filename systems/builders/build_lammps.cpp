@@ -11,6 +11,7 @@
 #include "systems/builders/builders.hpp"
 #include "systems/builders/lammps_pairs.hpp"
 #include "systems/builders/lammps_rows.hpp"
+#include "systems/builders/repulsive_pairs.hpp"
 #include "systems/molecules/whole_molecules.hpp"
 
 namespace taut {
@@ -301,6 +302,10 @@ void build_lammps(const BuildRequest& request, Scene& scene) {
     if (!scene.terms.nonbonded)
       request.forcefield.fail("pair", "no atom type has an ε: there are no pair forces");
     make_repulsive(request.forcefield, scene.terms);
+    if (!scene.terms.wca)
+      request.forcefield.fail("pair",
+                              "wca takes one sigma and epsilon for all pairs of a data file; those of two "
+                              "types differ");
   }
   built.check_fene(request.forcefield);
   read_lammps_cutoffs(rows, pairs, request.forcefield, scene);

@@ -12,6 +12,7 @@
 #include "systems/builders/lattice.hpp"
 #include "systems/builders/pair_table.hpp"
 #include "systems/builders/placements.hpp"
+#include "systems/builders/repulsive_pairs.hpp"
 #include "systems/builders/solvent.hpp"
 #include "systems/molecules/placing.hpp"
 #include "systems/scene/scene_file.hpp"
@@ -232,8 +233,8 @@ void read_forces(const BuildRequest& request, Scene& scene) {
   keys.read("pair", pair, {"the force between beads: purely repulsive, or not", {"wca", "lennard-jones"}});
   if (keys.describing()) return read_cutoff(keys, {}, *terms.nonbonded);
   if (!terms.fene.empty()) note_springs_without_core(scene);
-  if (pair == "wca") make_repulsive(keys, terms);
   read_pair_table(request.root, scene);
+  if (pair == "wca") make_repulsive(keys, terms);
   if (terms.nonbonded) read_cutoff(keys, scene.start.box, *terms.nonbonded);
 }
 

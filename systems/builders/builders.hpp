@@ -53,10 +53,6 @@ void build_molecules(const BuildRequest& request, Scene& scene);  // any molecul
 State equilibrated_water(const State& unit, double cutoff);
 double energy_of_equilibrated(const WaterModel& model, const State& waters, const TomlTable& forcefield);
 
-// Makes the pair force purely repulsive (WCA). All atoms that have an ε must have the same one and the same σ, and 1–4
-// pairs all of the force or none. Throws LocatedError at forcefield.pair.
-void make_repulsive(const TomlTable& forcefield, Terms& terms);
-
 // Returns copies × atoms_each as an int. Throws LocatedError at `key`, before anything is allocated, if that
 // exceeds the largest number of atoms.
 int atoms_of(const TomlTable& keys, std::string_view key, double copies, double atoms_each);

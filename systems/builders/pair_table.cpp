@@ -126,8 +126,6 @@ SaidPairs read_pairs(const TomlTable& root, const Scene& scene) {
     for (const std::string& name : {names.first, names.second})
       if (std::ranges::find(known, name) == known.end())
         keys.fail("atoms", fmt::format("no atom is called \"{}\"{}", name, did_you_mean(name, known)));
-    if (scene.terms.wca)
-      keys.fail("atoms", "pairs of wca are all alike; take forcefield.pair = \"lennard-jones\"");
     if (!scene.terms.nonbonded)
       keys.fail("atoms", "no atom has an epsilon_kj_mol or a charge: there are no pair forces");
   }
@@ -218,32 +216,6 @@ void read_pair_table(const TomlTable& root, Scene& scene) {
   pairs.lj_table = of.table();
   if (scene.terms.tabulated_pairs && pairs.lj_table->b.isZero(0) && pairs.charge.isZero(0))
     scene.terms.nonbonded.reset();
-}
-
-// Atoms without an ε, as the points that carry the mass of a rigid body, have no pair force and take no part.
-void make_repulsive(const TomlTable& keys, Terms& terms) {
-  Nonbonded& pairs = *terms.nonbonded;
-  if (pairs.lj_table)
-    keys.fail("pair", "wca takes one sigma and epsilon for all pairs; those of two types differ");
-  Eigen::Index first = 0;
-  const double epsilon = pairs.epsilon.maxCoeff(&first), sigma = pairs.sigma[first];
-  if (epsilon == 0) keys.fail("pair", "wca repels by epsilon_kj_mol, which no atom has");
-  Wca& wca = terms.wca.emplace(Wca{sigma, epsilon, {}});
-  for (int a = 0; a < static_cast<int>(pairs.sigma.size()); ++a)
-    if (pairs.epsilon[a] == 0)
-      wca.without.push_back(a);
-    else if (pairs.sigma[a] != sigma || pairs.epsilon[a] != epsilon)
-      keys.fail("pair", fmt::format("wca takes one sigma_nm and one epsilon_kj_mol for all atoms; atoms {} "
-                                    "and {} differ",
-                                    std::min<Eigen::Index>(first, a), std::max<Eigen::Index>(first, a)));
-  for (PairException& pair : pairs.exceptions) {
-    if (pair.epsilon != 0 && pair.epsilon != epsilon)
-      keys.fail("pair", "of wca pairs three bonds apart have all or nothing: lennard_jones_14 = 0 or 1");
-    if (pair.epsilon == 0) wca.exclusions.push_back({pair.i, pair.j});
-    pair.epsilon = 0;
-  }
-  pairs.epsilon.setZero();
-  if (pairs.charge.isZero(0)) terms.nonbonded.reset();
 }
 
 }  // namespace taut

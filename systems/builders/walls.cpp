@@ -65,7 +65,11 @@ std::vector<int> atoms_before(const TomlTable& wall, const std::vector<std::stri
   const bool some_have = !wca && pairs && (pairs->lj_table || !pairs->epsilon.isZero(0));
   const std::set<int> without =
       wca ? std::set<int>(wca->without.begin(), wca->without.end()) : std::set<int>();
-  const auto has = [&](int a) { return (!some_have || pairs->epsilon[a] > 0) && !without.contains(a); };
+  const auto& tables = scene.terms.tabulated_pairs;
+  const auto has = [&](int a) {
+    if (some_have) return pairs->epsilon[a] > 0;
+    return !without.contains(a) && (!tables || tables->kind[a] >= 0);
+  };
   std::vector<int> atoms;
   std::set<std::string> seen;
   for (int a = 0; a < scene.system.atoms(); ++a) {
