@@ -67,7 +67,7 @@ struct System {
   int anchors() const;
 };
 
-// An atom of mass 0 that is no virtual site is an anchor: it never moves (OpenMM's convention).
+// An atom of mass 0 that is no virtual site is an anchor: no force moves it (OpenMM's convention).
 // Throws InputError
 //  - for a bond that is out of range, joins an atom to itself, repeats another, has no length, or ends in a
 //    virtual site or in two anchors; likewise for one-sided bonds (a pair may have a strut and a rope,

@@ -81,7 +81,7 @@ class Readings:
 
     @property
     def masses(self) -> Reals:
-        """Masses, (n,) [u]. An atom of mass 0 is anchored and never moves, or is a virtual site."""
+        """Masses, (n,) [u]. An atom of mass 0 is an anchor, which no force moves, or a virtual site."""
         return self._engine.masses
 
     @property
