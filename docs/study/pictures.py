@@ -46,7 +46,7 @@ def draw_front(judge, times, system):
         if method in ("lincs", "newton"):
             page.name_points(axis, [(x[k], y[k], f"{step[k]:g} fs", look["color"]) for k in range(len(x))])
     axis.set_xlabel("nanoseconds a day, one thread")
-    axis.set_ylabel("energy drift [kT/ns/degree of freedom]")
+    axis.set_ylabel("energy drift, absolute [kT/ns/degree of freedom]")
     save(page.finish(), HERE / "pictures" / "front", "svg")
 
 
