@@ -87,7 +87,7 @@ std::vector<Vec3> MovingAnchors::forces(double h_back, const System& sys, const 
   for (const auto& [k, anchor, sign] : ends_) {
     if (k >= lambda.size()) continue;  // one-sided, and the multipliers are of the others alone
     const RigidBond& bond = sys.bond(k);
-    const Vec3 r = s.x.col(bond.j) - s.x.col(bond.i) - h_back * (s.v.col(bond.j) - s.v.col(bond.i));
+    const Vec3 r = sys.along(bond, s.x) - h_back * (s.v.col(bond.j) - s.v.col(bond.i));
     all[anchor] += sign * lambda[k] * r;
   }
   return all;

@@ -34,4 +34,14 @@ void refuse_thermostat_of_moved_bonds(const System& sys, const MovingAnchors& an
            "run.thermostat: rescaling scales velocities that the motion prescribes, take \"langevin\"");
 }
 
+void leave_out_prescribed_velocities(const std::vector<AnchorMotion>& motions, MovingAnchors& anchors,
+                                     State& s) {
+  constexpr double kAsWritten = 1e-3;
+  State own = s;
+  anchors.begin(own);
+  for (const AnchorMotion& motion : motions)
+    for (const int a : motion.atoms)
+      if (s.v.col(a).isApprox(own.v.col(a), kAsWritten)) s.v.col(a).setZero();
+}
+
 }  // namespace taut

@@ -117,7 +117,7 @@ void Simulation::bring_to_the_bonds(const MinimiseGoal& goal, const OnMove& on_m
   if (goal.force > 0 && goal.soft)
     start_report_.pushed_apart = push_apart(scene_, state_, on_move, goal.listen);
   if (goal.force > 0) start_report_.minimised = minimise(sys, inner_->forces.field, goal, state_, on_move);
-  inner_->anchors.hold_still(state_.v);  // they get velocities of their own
+  leave_out_prescribed_velocities(scene_.motions, inner_->anchors, state_);
   start_report_.anchors_stopped = rest_anchors(sys, state_.v);
   if (scene_.run.remove_momentum_every > 0) {
     start_report_.centre_stopped = momentum(sys, state_.v).norm() / sys.mass.sum();

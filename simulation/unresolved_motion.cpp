@@ -13,6 +13,7 @@ namespace taut {
 namespace {
 
 constexpr double kResolved = 1.5;  // ωh
+constexpr double kFollowed = 1;    // Ωh
 
 struct Spring {
   std::vector<int> atoms;
@@ -82,9 +83,7 @@ class Springs {
   std::set<std::pair<int, int>> rigid_;
 };
 
-}  // namespace
-
-std::string unresolved_motion(const Scene& scene, const Vectors& x, bool bonds_are_springs) {
+std::string unresolved_spring(const Scene& scene, const Vectors& x, bool bonds_are_springs) {
   const Springs springs(scene.system, scene.start.box, x, bonds_are_springs);
   double fastest = 0;
   Spring which;
@@ -105,6 +104,31 @@ std::string unresolved_motion(const Scene& scene, const Vectors& x, bool bonds_a
       "rigid",
       scene.run.dt_fs, which.atoms.size() == 2 ? "bond" : "angle", fmt::join(which.atoms, "-"), omega_h,
       scene.run.dt_fs / omega_h);
+}
+
+std::string unresolved_prescription(const Scene& scene) {
+  double fastest = 0;
+  std::size_t which = 0;
+  for (std::size_t m = 0; m < scene.motions.size(); ++m) {
+    const AnchorMotion& motion = scene.motions[m];
+    const double rate = std::max(motion.turn.norm(), motion.shake_rate);
+    if (rate > fastest) fastest = rate, which = m;
+  }
+  const double omega_h = fastest * scene.run.h();
+  if (!(omega_h > kFollowed)) return "";
+  return fmt::format(
+      "run.dt_fs: {:g} fs does not resolve motion {}, whose ωh is {:.2g} (above 1 what it pulls with is off "
+      "by a "
+      "twelfth and more); take {:.2g} fs or less, where it is 0.5",
+      scene.run.dt_fs, which, omega_h, 0.5 * scene.run.dt_fs / omega_h);
+}
+
+}  // namespace
+
+std::string unresolved_motion(const Scene& scene, const Vectors& x, bool bonds_are_springs) {
+  const std::string spring = unresolved_spring(scene, x, bonds_are_springs),
+                    prescribed = unresolved_prescription(scene);
+  return spring + (spring.empty() || prescribed.empty() ? "" : "; ") + prescribed;
 }
 
 }  // namespace taut

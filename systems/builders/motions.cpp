@@ -2,12 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <optional>
 #include <set>
 #include <utility>
 
+#include "base/errors.hpp"
 #include "base/words.hpp"
 #include "systems/builders/named_atoms.hpp"
 
@@ -38,7 +42,33 @@ void read_atoms(const TomlTable& keys, const Scene& scene, AnchorMotion& motion)
     }
 }
 
-SmoothCourse read_way(const TomlTable& keys) {
+// Throws where rows never move it; notes that they do not in the run, or that its step passes over them.
+void judge_rows(const TomlTable& keys, const Rows& rows, Scene& scene) {
+  const auto in_one_place = [&](const auto& row) {
+    return std::equal(row.begin() + 1, row.end(), rows[0].begin() + 1);
+  };
+  if (std::ranges::all_of(rows, in_one_place))
+    keys.fail("way_nm", "all rows have one place, so that nothing moves: expected rows that differ");
+  const double h = scene.run.h(), since = scene.start.t,
+               end = since + h * static_cast<double>(scene.run.steps);
+  const auto note = [&](const std::string& words) {
+    scene.notes.push_back(fmt::format("motion.{}.way_nm: {}", scene.motions.size(), words));
+  };
+  if (end > since && (rows.back()[0] <= since || rows.front()[0] >= end))
+    note(
+        fmt::format("nothing moves in this run, from {:g} to {:g} ps: the rows are of {:g} to {:g} ps; shift "
+                    "their times, or leave the motion out",
+                    since, end, rows.front()[0], rows.back()[0]));
+  double gap = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 1; k < rows.size(); ++k) gap = std::min(gap, rows[k][0] - rows[k - 1][0]);
+  if (gap < 2 * h * (1 - 1e-9))
+    note(
+        fmt::format("run.dt_fs: {:g} fs does not resolve rows that are {:.2g} fs apart; take {:.2g} fs or "
+                    "less, or leave rows out",
+                    scene.run.dt_fs, 1000 * gap, 500 * gap));
+}
+
+SmoothCourse read_way(const TomlTable& keys, Scene& scene) {
   Rows rows;
   keys.read(
       "way_nm", rows, Columns{4, 4},
@@ -53,6 +83,7 @@ SmoothCourse read_way(const TomlTable& keys) {
     points.push_back({rows[k][0], Vec3(rows[k].data() + 1)});
   }
   if (keys.has("way_nm") && points.size() < 2) keys.fail("way_nm", "expected two rows [t, x, y, z] or more");
+  if (!points.empty()) judge_rows(keys, rows, scene);
   return points.empty() ? SmoothCourse() : SmoothCourse(std::move(points));
 }
 
@@ -64,7 +95,7 @@ Vec3 read_direction(const TomlTable& keys, const char* key, const About& about) 
   return read.value_or(Vec3::Zero());
 }
 
-AnchorMotion read_motion(const TomlTable& keys, const Scene& scene) {
+AnchorMotion read_motion(const TomlTable& keys, Scene& scene) {
   AnchorMotion motion;
   read_atoms(keys, scene, motion);
   motion.velocity = read_direction(keys, "velocity_nm_ps", {"constant velocity [x, y, z]", "nm/ps"});
@@ -76,7 +107,7 @@ AnchorMotion read_motion(const TomlTable& keys, const Scene& scene) {
   motion.shake = read_direction(keys, "shake_nm", {"swings: this vector times sin(2πt/period_ps)", "nm"});
   std::optional<double> period;
   keys.read("period_ps", period, {"period of shake_nm", "ps", kPositive});
-  motion.way = read_way(keys);
+  motion.way = read_way(keys, scene);
   keys.require_effect("about_nm", keys.has("turn_deg_ps"), "with turn_deg_ps");
   keys.require_effect("period_ps", keys.has("shake_nm"), "with shake_nm");
   keys.reject_unknown();
@@ -95,36 +126,46 @@ AnchorMotion read_motion(const TomlTable& keys, const Scene& scene) {
   return motion;
 }
 
-// How far the anchors are that rigid bonds and ropes tie to an atom, by the shortest way over atoms with a mass: none can
-// be farther from it. By Dijkstra's algorithm.
-std::map<int, double> reach_of(const System& sys, const std::vector<std::vector<int>>& bonds_at, int from) {
-  std::map<int, double> way = {{from, 0}}, anchors;
+// A way over bonds: how long it is, and where it leads as the atoms stand, through the box, too.
+struct Way {
+  double length;
+  Vec3 to;
+};
+
+// The shortest ways over rigid bonds and ropes from an atom to anchors, over atoms with a mass: no anchor can be farther
+// from it. By Dijkstra's algorithm.
+std::map<int, Way> ways_to_anchors(const System& sys, const Vectors& x,
+                                   const std::vector<std::vector<int>>& bonds_at, int from) {
+  std::map<int, Way> ways = {{from, {0, Vec3::Zero()}}}, to_anchors;
   std::set<std::pair<double, int>> open = {{0, from}};
   while (!open.empty()) {
-    const auto [gone, at] = *open.begin();
+    const int at = open.begin()->second;
     open.erase(open.begin());
+    const Way gone = ways[at];
     if (at != from && sys.is_anchor(at)) {
-      anchors[at] = gone;
+      to_anchors[at] = gone;
       continue;
     }
     for (const int k : bonds_at[at]) {
       const RigidBond& bond = sys.bond(k);
       const int to = bond.i == at ? bond.j : bond.i;
-      const double there = gone + bond.length;
-      const auto [known, fresh] = way.try_emplace(to, there);
-      if (!fresh && known->second <= there) continue;
-      open.erase({known->second, to});
+      const Way there{gone.length + bond.length, gone.to + (bond.i == at ? 1 : -1) * sys.along(bond, x)};
+      const auto [known, fresh] = ways.try_emplace(to, there);
+      if (!fresh && known->second.length <= there.length) continue;
+      open.erase({known->second.length, to});
       known->second = there;
-      open.emplace(there, to);
+      open.emplace(there.length, to);
     }
   }
-  return anchors;
+  return to_anchors;
 }
 
-// Anchors that move farther apart in the run than the bonds between them reach.
+// Anchors that move farther apart in the run than the bonds between them reach. Looked at as often as kTimes, and at
+// times that no period divides: a shift within each, by the golden ratio (Weyl 1916).
 void refuse_what_bonds_cannot_reach(const TomlTable& root, const Scene& scene) {
   constexpr int kTimes = 1000;
   const System& sys = scene.system;
+  const Vectors& x = scene.start.x;
   std::vector<std::vector<int>> bonds_at(sys.atoms());
   for (int k = 0; k < sys.all_bonds(); ++k)
     if (sys.side(k) <= 0)
@@ -133,23 +174,26 @@ void refuse_what_bonds_cannot_reach(const TomlTable& root, const Scene& scene) {
   for (const AnchorMotion& motion : scene.motions)
     for (const int a : motion.atoms) motion_of[a] = &motion;
   const double since = scene.start.t, length = scene.run.h() * static_cast<double>(scene.run.steps);
-  const auto place = [&](int a, double t) -> Vec3 {
+  const auto moved = [&](int a, double t) -> Vec3 {
     const auto moves = motion_of.find(a);
-    const Vec3 from = scene.start.x.col(a);
-    return moves == motion_of.end() ? from : moves->second->at(from, since, t).place;
+    if (moves == motion_of.end()) return Vec3::Zero();
+    return moves->second->at(x.col(a), since, t).place - x.col(a);
   };
   for (std::size_t m = 0; m < scene.motions.size(); ++m)
     for (const int a : scene.motions[m].atoms)
-      for (const auto& [b, reach] : reach_of(sys, bonds_at, a))
+      for (const auto& [b, way] : ways_to_anchors(sys, x, bonds_at, a))
         for (int n = 0; n <= kTimes; ++n) {
-          const double t = since + length * n / kTimes, apart = (place(a, t) - place(b, t)).norm();
-          if (apart > (1 + 1e-6) * reach)
-            root.section("motion", m)
-                .fail("atoms",
-                      fmt::format(
-                          "atom {} is {:.4g} nm from anchor {} at {:.4g} ps, and the bonds between them "
-                          "reach {:.4g} nm: move it less far, or take fewer run.steps",
-                          a, apart, b, t, reach));
+          const double shifted = n - std::fmod(n * std::numbers::phi, 1.0);
+          const double t = since + length * (n < kTimes ? std::max(shifted, 0.0) : n) / kTimes;
+          const double apart = (way.to + moved(b, t) - moved(a, t)).norm();
+          if (apart <= (1 + 1e-6) * way.length) continue;
+          const std::string words = fmt::format(
+              "atom {} is {:.6g} nm from anchor {} at {:.4g} ps, and the bonds between them reach {:.6g} "
+              "nm: move it less far, or take fewer run.steps",
+              a, apart, b, t, way.length);
+          if (root.has("motion")) root.section("motion", m).fail("atoms", words);
+          throw InputError(
+              fmt::format("motion.{}.atoms: {}", m, words));  // of a scene that is read, at another step
         }
 }
 
