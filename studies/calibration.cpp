@@ -76,6 +76,11 @@ class Bench {
         forces_(scene.system, scene.start.box, scene.terms),
         method_(make_method(scene.system, options, h_)),
         state_(scene.start) {
+    if (!scene.motions.empty())
+      throw InputError(
+          fmt::format("{}: motion.0 moves anchors, which taut calibrate would let stand; leave "
+                      "[[motion]] out",
+                      scene.name));
     initialize({scene_.system, forces_, *method_}, h_, state_);
     follow(plan.settle, state_);
     Archive archive = Archive::saving_to(settled_);

@@ -112,6 +112,7 @@ namespace {
 
 // A scene that runs until it is told how far.
 Scene ready(Scene scene, const Setting& setting, const TrialPlan& plan) {
+  scene.run.steps = plan.start + plan.steps;
   apply_overrides(scene, setting.overrides);
   scene.run.log_every = std::max(1L, plan.steps / plan.rows);
   return scene;
@@ -141,10 +142,10 @@ void TrialRun::advance(long steps) {
 void TrialRun::watch(const Record& r) {
   const long since = t_.empty() ? simulation_.scene().run.log_every : r.step - last_row_;
   last_row_ = r.step;
-  if (rows_++ == 0) first_energy_ = r.total();
+  if (rows_++ == 0) first_energy_ = r.but_for_heat();
   largest_kinetic_ = std::max(largest_kinetic_, r.kinetic);
   const double energy = std::max(largest_kinetic_, kAtRest * std::abs(first_energy_));
-  if (exceeds(std::abs(r.total() - first_energy_), plan_.broken_energy * energy) && energy > 0)
+  if (exceeds(std::abs(r.but_for_heat() - first_energy_), plan_.broken_energy * energy) && energy > 0)
     throw SimulationFailure("the energy blew up");
   if (exceeds(r.bonds.max, plan_.broken_bond))
     throw SimulationFailure(fmt::format("bonds {:g} % off", 100 * plan_.broken_bond));

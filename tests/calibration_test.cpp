@@ -12,8 +12,10 @@
 #include "studies/compared_methods.hpp"
 #include "studies/study_scene.hpp"
 #include "studies/swept_errors.hpp"
+#include "studies/trial.hpp"
 #include "systems/scene/scene_file.hpp"
 #include "systems/scene/toml_reader.hpp"
+#include "temporary_folder.hpp"
 
 namespace taut::calibration_tests {
 namespace {
@@ -255,6 +257,61 @@ TEST(Calibration, TellsDoubtsOfTheSceneFromThoseOfAMethod) {
   compared[0].doubts.clear(), compared[1].doubts = {"the constraints heat by 9 kJ/mol"};
   EXPECT_THAT(take_out_common_doubts(compared), testing::IsEmpty());
   EXPECT_FALSE(compared[1].sound());
+}
+
+// What moves anchors does work, and an energy that it changes has not blown up: who moves along sees a pendulum at rest.
+TEST(Trial, HasTheEnergyButForTheWorkOfWhatMoves) {
+  const TemporaryFolder folder;
+  const auto trial_of = [&](const std::string& moving) {
+    const Scene scene = read_scene(folder.write("pendulum.toml", R"([build]
+kind = "atoms"
+atoms = [[0, 0, 0, 0], [1, 0, 0, 1]]
+bonds = [[0, 1, 1]]
+gravity_nm_ps2 = [0, -9.81, 0]
+)" + moving + "[run]\ndt_fs = 2\nsteps = 2000\n"));
+    return try_setting(scene, setting_of("newton"), {.steps = 2000});
+  };
+  const Trial resting = trial_of("");
+  const Trial moving =
+      trial_of("velocities = [[0, 0, 0], [0, 3, 0]]\n[[motion]]\natoms = [0]\nvelocity_nm_ps = [0, 3, 0]\n");
+  EXPECT_EQ(resting.failure, "");
+  EXPECT_EQ(moving.failure, "");
+  EXPECT_EQ(moving.steps, resting.steps);
+}
+
+// For as long as a trial takes.
+TEST(Trial, EndsWhereAnchorsMoveBeyondTheReachOfTheirBonds) {
+  const TemporaryFolder folder;
+  Scene scene = read_scene(folder.write("apart.toml", R"([build]
+kind = "atoms"
+atoms = [[0, 0, 0, 0], [0.8, 0.6, 0, 1], [1.6, 0, 0, 0]]
+bonds = [[0, 1, 1], [1, 2, 1]]
+[[motion]]
+atoms = [2]
+velocity_nm_ps = [1, 0, 0]
+[run]
+dt_fs = 1
+steps = 390
+)"));
+  scene.run.dt_fs = 3;
+  EXPECT_EQ(try_setting(scene, setting_of("newton"), {.steps = 100}).failure, "");
+  EXPECT_THAT(try_setting(scene, setting_of("newton"), {.steps = 390}).failure,
+              HasSubstr("refused: motion.0.atoms: atom 2 is 2.00"));
+}
+
+TEST(Calibration, OfAnchorsThatMoveIsRefused) {
+  const TemporaryFolder folder;
+  const Scene scene = read_scene(folder.write("pendulum.toml", R"([build]
+kind = "atoms"
+atoms = [[0, 0, 0, 0], [1, 0, 0, 1]]
+bonds = [[0, 1, 1]]
+[[motion]]
+atoms = [0]
+velocity_nm_ps = [0.3, 0.5, 0.1]
+)"));
+  const auto refusal = HasSubstr("pendulum: motion.0 moves anchors, which taut calibrate would let stand");
+  EXPECT_THAT(error_message([&] { calibrate(scene, {}); }), refusal);
+  EXPECT_THAT(error_message([&] { reduction_of(scene, default_options("newton"), {}); }), refusal);
 }
 
 TEST(Trial, WithoutAnErrorOfItsDriftIsNotSeenToKeepTheEnergy) {
