@@ -113,6 +113,9 @@ std::string flaw_of_mean_force(const Scene& scene) {
            "run.thermostat_ps";
   if (!run.temperature_course.empty())
     return "run.temperature_k: a potential of mean force is of one temperature; give one, no rows";
+  if (!scene.motions.empty())
+    return "motion.0: pulls at the bonds it moves, and a potential of mean force is of equilibrium; leave "
+           "[[motion]] out, and its anchors stand";
   if (length_of(scene) == 0)
     return "run.tension_of: its bonds have different lengths; a potential of mean force is along one length";
   const std::vector<int> cluster = clusters_of_bonds(scene.system);

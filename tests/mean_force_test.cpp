@@ -13,6 +13,7 @@
 #include "error_message.hpp"
 #include "md/units.hpp"
 #include "measures/csv.hpp"
+#include "measures/mean_forces_of_scan.hpp"
 #include "simulation/simulation.hpp"
 #include "systems/scene/scene_file.hpp"
 #include "taut_command.hpp"
@@ -305,6 +306,13 @@ TEST(Tension, IsRefusedOfWhatIsNoRigidBond) {
   EXPECT_THAT(refused("[[0, 0.5]]"), HasSubstr("no atom 0.5"));
   EXPECT_THAT(refused("[[0, 1], [1, 0]]"), HasSubstr("twice"));
   EXPECT_EQ(read(kPair, {"run.tension_of=[[-1, -2]]"}).run.tension_of[0], (std::array{0, 1}));
+}
+
+TEST(MeanForce, IsRefusedWhereAnchorsMove) {
+  Scene scene = read(kPair);
+  EXPECT_EQ(flaw_of_mean_force(scene), "");
+  scene.motions.push_back({.atoms = {0}, .velocity = Vec3(1, 0, 0)});
+  EXPECT_THAT(flaw_of_mean_force(scene), HasSubstr("motion.0: pulls at the bonds it moves"));
 }
 
 // A chain of four beads hangs at rest from an anchor: bond k carries what is below it.
