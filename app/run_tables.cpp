@@ -10,6 +10,7 @@
 #include "base/words.hpp"
 #include "printing.hpp"
 #include "simulation/log_columns.hpp"
+#include "systems/builders/motions.hpp"
 #include "systems/scene/velocities.hpp"
 
 namespace taut {
@@ -154,6 +155,7 @@ void print_header(const Simulation& simulation) {
   const Box& box = simulation.state().box;
   if (box.periodic()) say("  {}\n", box_line(box));
   say("  method {}: {}\n", scene.method.name(), simulation.method().setting());
+  for (std::size_t m = 0; m < scene.motions.size(); ++m) say("  {}\n", in_words(scene.motions[m], m));
   say("  {}\n  {}\n\n", start_line(scene), speed_line(simulation));
   if (simulation.step() > 0) say("goes on from step {}\n", simulation.step());
   std::string headings, units;

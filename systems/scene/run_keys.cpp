@@ -217,10 +217,10 @@ void check_barostat(const TomlTable& run, const Scene& scene) {
     run.fail("coupling",
              "no pairs of atoms act across the box, so nothing holds its shape: take \"isotropic\"");
   if (!scene.closed_but_for_restraints())
-    run.fail(
-        "barostat",
-        "an anchored atom (mass 0), gravity, a pull, a wall or a steered atom holds on to what the box would "
-        "move; leave the key out");
+    run.fail("barostat",
+             "an anchored atom (mass 0), at rest or in motion, gravity, a pull, a wall or a steered atom "
+             "holds on to "
+             "what the box would move; leave the key out");
   if (!scene.closed() && scene.run.barostat != "monte-carlo")
     run.fail("barostat",
              "restraints hold on to what the box would move, and have no virial: take \"monte-carlo\"");
