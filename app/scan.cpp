@@ -37,6 +37,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::size_t kLongestWord = 128 * 1024 - 1;  // of a command line, as execve(2) of Linux has it
 constexpr const char* kCommands = "commands.txt";  // the command lines of a scan's runs, by which it is known
 
 struct ScanArguments : SceneArgument {
@@ -118,6 +119,12 @@ void ask_for_mean_force(ScanArguments& arguments, const std::vector<ScanPoint>& 
     std::string pairs;
     for (const auto& [i, j] : varied) pairs += fmt::format("{}[{}, {}]", pairs.empty() ? "" : ", ", i, j);
     arguments.settings.push_back(fmt::format("run.tension_of=[{}]", pairs));
+    if (arguments.settings.back().size() > kLongestWord)
+      throw InputError(
+          fmt::format("--pmf: {} bonds change their length, more than a command line can name; "
+                      "place fewer molecules (place.0.count), or name the bonds in the scene's own "
+                      "run.tension_of",
+                      varied.size()));
     for (Scene& scene : scenes) scene.run.tension_of = varied;
   }
   std::string flaw = flaw_of_lengths(along);
@@ -126,13 +133,32 @@ void ask_for_mean_force(ScanArguments& arguments, const std::vector<ScanPoint>& 
   if (!flaw.empty()) throw InputError("--pmf: " + flaw);
 }
 
+bool gives_seeds(const ScanArguments& arguments) {  // else the single run of a point has the scene's own
+  return arguments.pmf || arguments.seeds > 1;
+}
+
+void refuse_seed(const ScanArguments& arguments) {
+  if (gives_seeds(arguments) && key_values(arguments.settings).contains("run.seed"))
+    throw InputError(
+        fmt::format("--set run.seed: {} gives each run a seed of its own, 1, 2, ...; leave it out",
+                    arguments.pmf ? "--pmf" : "--seeds"));
+}
+
+void tell_replaced_seed(const Scene& scene, const std::vector<ScanPoint>& points) {
+  const RunSettings usual;
+  if (scene.run.seed != usual.seed)
+    say("the scene's run.seed = {} is replaced: the runs have seeds from 1 to {}\n", scene.run.seed,
+        points.back().first_seed + static_cast<int>(points.back().runs.size()) - 1);
+}
+
 // The runs of all points. Reads each point's scene once, so that a wrong value is refused before anything runs.
 std::vector<ScanRun> runs_of(const ScanArguments& arguments, const std::vector<ScanPoint>& points) {
   std::vector<ScanRun> runs;
   for (const ScanPoint& point : points) {
     ScanArguments one = arguments;
     for (const auto& [key, value] : point.values) one.settings.push_back(key + "=" + value);
-    one.read();
+    const Scene scene = one.read();
+    if (runs.empty() && gives_seeds(arguments)) tell_replaced_seed(scene, points);
     for (std::size_t k = 0; k < point.runs.size(); ++k) {
       const int seed = point.first_seed + static_cast<int>(k);
       ScanRun run{.folder = point.runs[k],
@@ -142,7 +168,7 @@ std::vector<ScanRun> runs_of(const ScanArguments& arguments, const std::vector<S
       if (!one.openmm.empty()) run.words.insert(run.words.end(), {"--openmm", one.openmm[0], one.openmm[1]});
       for (const std::string& setting : one.overrides())
         run.words.insert(run.words.end(), {"--set", setting});
-      if (point.runs.size() > 1 || arguments.pmf)  // a single run has the scene's own seed, if it has one
+      if (gives_seeds(arguments))
         run.words.insert(run.words.end(), {"--set", fmt::format("run.seed={}", seed)});
       run.words.insert(run.words.end(), {"--out", run.folder.string(), "--continue", "--quiet", "--threads",
                                          fmt::format("{}", available_threads())});
@@ -246,6 +272,7 @@ void refuse_foreign_files(const fs::path& folder, const std::vector<ScanRun>& ru
 void scan(ScanArguments arguments) {
   if (arguments.vary.empty() && arguments.seeds < 2)
     throw InputError("nothing to scan: expected --vary KEY=VALUE,VALUE,... or --seeds of 2 or more");
+  refuse_seed(arguments);
   const std::vector<ScanPoint> points = points_of(arguments);
   if (arguments.pmf) ask_for_mean_force(arguments, points);
   const std::vector<ScanRun> runs = runs_of(arguments, points);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "base/statistics.hpp"
@@ -27,10 +28,11 @@ struct FreeEnergies {
 // or two lengths the parabola or the line through all.
 std::vector<FreeEnergies> integrate_mean_force(const std::vector<HeldLength>& lengths, double kT);
 
-// About what the potential is off for the spacing of its lengths. Without every other length it changes by so much at
-// the lengths that remain, of which a fifteenth is left with all, as Richardson has it of the fourth order. 0 for fewer
+// About what the potential is off for the spacing of its lengths: what it changes by without every other length, both
+// ends kept, less two standard errors of that change. Where it changed by r times as much when half of those that remain
+// were left out, too, Richardson's 1/(r − 1) of it is left with all, 2 ≤ r ≤ 16 of the fourth order. None for fewer
 // lengths than kLengthsToJudge, which cannot tell [kJ/mol].
 constexpr std::size_t kLengthsToJudge = 5;
-double error_of_spacing(const std::vector<FreeEnergies>& all, double kT);
+std::optional<double> error_of_spacing(const std::vector<HeldLength>& lengths);
 
 }  // namespace taut

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,13 +15,16 @@ inline constexpr const char* kMeanForce = "mean_force";  // the name of its tabl
 
 // What groups of runs along the length of a bond of run.tension_of come to: its potential of mean force.
 struct MeanForces {
-  ScanValues values;          // of the other keys that the scan varies
-  std::string bond;           // "bond 0-1", "12 bonds"
-  double kT = 0;              // [kJ/mol]
-  std::string corrected;      // what stands between the mean force and the potential, in words
-  std::string flaw;           // why there is no potential; empty: there is
-  bool seeds_shared = false;  // by runs at several lengths
+  ScanValues values;      // of the other keys that the scan varies
+  std::string bond;       // "bond 0-1", "12 bonds"
+  double kT = 0;          // [kJ/mol]
+  std::string corrected;  // what stands between the mean force and the potential, in words
+  std::string flaw;       // why there is no potential; empty: there is
   std::vector<FreeEnergies> lengths;
+  std::optional<double>
+      spacing_error;                // of the potential, none where there are too few lengths to tell [kJ/mol]
+  std::vector<std::string> doubts;  // why errors may be larger than they are said to be
+  std::vector<std::string> notes;   // what the potential is of, and is not
 
   std::string label() const;
 };

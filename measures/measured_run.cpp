@@ -254,6 +254,14 @@ std::optional<std::array<Figure, 2>> MeasuredRun::held() const {
   return found;
 }
 
+bool MeasuredRun::metric_weight_varies() const {
+  constexpr double kTolerance = 1e-6;
+  const std::vector<double> y = window_of(columns_of_held(scene_->run)[1]);
+  if (y.empty()) return false;
+  const auto [least, most] = std::ranges::minmax(y);
+  return most - least > kTolerance * most;
+}
+
 std::vector<Figure> MeasuredRun::figures() const {
   std::vector<Figure> all = log_figures_;
   if (frames_) std::ranges::copy(frames_->figures(), std::back_inserter(all));

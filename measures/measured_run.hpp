@@ -39,7 +39,8 @@ class MeasuredRun {
   std::vector<Figure> figures() const;
   // The mean tension of the bonds of run.tension_of, and its metric weight, NaN where it has none.
   std::optional<std::array<Figure, 2>> held() const;
-  std::string in_words() const;  // lines
+  bool metric_weight_varies() const;  // by more than the bonds' lengths are held to
+  std::string in_words() const;       // lines
   nlohmann::ordered_json json() const;
   // Equilibration, what the frames show, viscosity: what there is. `curve` names the run in what frames show, where
   // runs are laid over each other.

@@ -1,46 +1,43 @@
 #include "simulation/held_bonds.hpp"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <array>
 #include <cmath>
+#include <map>
 #include <set>
 
-#include "base/errors.hpp"
 #include "constraints/bond_graph.hpp"
+#include "md/bonds_by_atoms.hpp"
 
 namespace taut {
 
-HeldBonds::HeldBonds(const System& sys, const RunSettings& run)
-    : all_bonds_(sys.bond_count()), metric_correction_(run.metric_correction) {
-  const std::vector<int> cluster = clusters_of_bonds(sys);
+HeldBonds::HeldBonds(const System& full, const System& sys, const RunSettings& run)
+    : all_kept_(sys.bond_count()), metric_correction_(run.metric_correction) {
+  const BondsByAtoms among_all = bonds_by_atoms(full), among_kept = bonds_by_atoms(sys);
+  const std::vector<int> cluster = clusters_of_bonds(full);
+  std::map<int, int> lost;  // bonds of each cluster
+  for (const int of : cluster) ++lost[of];
+  for (const int of : clusters_of_bonds(sys)) --lost[of];
   std::set<int> clusters;
-  for (const std::array<int, 2>& atoms : run.tension_of) {
-    const auto at = std::ranges::find_if(
-        sys.bonds, [&](const RigidBond& b) { return b.i == atoms[0] && b.j == atoms[1]; });
-    if (at == sys.bonds.end())
-      throw InputError(fmt::format(
-          "run.tension_of: the bond {}-{} follows from others and was dropped, so that it has no tension of "
-          "its own; take another bond",
-          atoms[0], atoms[1]));
-    bonds_.push_back(static_cast<int>(at - sys.bonds.begin()));
-    length_.push_back(at->length);
-    clusters.insert(cluster[static_cast<std::size_t>(bonds_.back())]);
+  have_weight_ = true;
+  for (const auto& [i, j] : run.tension_of) {
+    bonds_.push_back(among_all.at(in_order(i, j)));
+    length_.push_back(full.bonds[bonds_.back()].length);
+    const int of = cluster[static_cast<std::size_t>(bonds_.back())];
+    have_weight_ = have_weight_ && lost[of] == 0 && clusters.insert(of).second;
+    if (have_weight_) kept_.push_back(among_kept.at(in_order(i, j)));
   }
-  apart_ = clusters.size() == bonds_.size();
 }
 
 HeldTension HeldBonds::of(const Eigen::VectorXd& lambda, Projector* projector) const {
   const double share = 1 / static_cast<double>(bonds_.size());
-  HeldTension mean{.tension = 0, .weight = apart_ && projector ? 0 : kUnknown};
-  Eigen::VectorXd z = Eigen::VectorXd::Zero(all_bonds_);
-  for (const int k : bonds_) z[k] = 1;
-  if (apart_ && projector && !metric_correction_) projector->solve(z);  // each has a cluster of its own
-  for (std::size_t n = 0; n < bonds_.size(); ++n) {
-    mean.tension -= share * lambda[bonds_[n]] * length_[n];
-    mean.weight += share * length_[n] * (metric_correction_ ? 1 : std::sqrt(z[bonds_[n]]));
-  }
+  const bool weighs = have_weight_ && projector;
+  HeldTension mean{.tension = 0, .weight = weighs ? 0 : kUnknown};
+  for (std::size_t n = 0; n < bonds_.size(); ++n) mean.tension -= share * lambda[bonds_[n]] * length_[n];
+  if (!weighs) return mean;
+  Eigen::VectorXd z = Eigen::VectorXd::Zero(all_kept_);
+  for (const int k : kept_) z[k] = 1;
+  if (!metric_correction_) projector->solve(z);  // each has a cluster of its own
+  for (std::size_t n = 0; n < kept_.size(); ++n)
+    mean.weight += share * length_[n] * (metric_correction_ ? 1 : std::sqrt(z[kept_[n]]));
   return mean;
 }
 

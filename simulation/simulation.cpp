@@ -106,7 +106,7 @@ Simulation::Simulation(Scene scene, const ThreadScope&, const Listen& listen)
   refuse_unreachable_tolerance(sys, state_.x, method_->promised_error());
   count_degrees_of_freedom(fixed_motions(scene_, state_.x, state_.v));
   make_barostat();
-  if (!scene_.run.tension_of.empty()) inner_->held.emplace(sys, scene_.run);
+  if (!scene_.run.tension_of.empty()) inner_->held.emplace(full_, sys, scene_.run);
   unaccounted_at_start_ = unaccounted();
 }
 

@@ -93,11 +93,12 @@ long Simulation::steps_since_row() const {
   return std::clamp(scene_.run.steps - progress_.step, 1L, scene_.run.log_every);
 }
 
-// As temperatures and the pressure, of the velocity of the drift, whose mean square is the bath's at any step.
+// As temperatures and the pressure, of the velocity of the drift, whose mean square is the bath's at any step. Bonds that
+// were left out share the load with those they follow from, as in bond_tensions.
 HeldTension Simulation::held_tension(const Vectors& thermal) const {
-  if (has_springs()) return inner_->held->of(method_->lambda(), nullptr);
   const State now{state_.x, thermal, state_.F, state_.t, state_.box};
-  return inner_->held->of(inner_->multipliers(scene_.system, now), &inner_->projector);
+  return inner_->held->of(least_norm_multipliers(full_, state_.x, redundancy_.redundant, multipliers(now)),
+                          has_springs() ? nullptr : &inner_->projector);
 }
 
 double Simulation::work_from_outside() const {

@@ -7,8 +7,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <random>
 
 #include "error_message.hpp"
 #include "md/units.hpp"
@@ -104,21 +106,48 @@ TEST(MeanForce, HasTheErrorsOfItsTensionsAndWeights) {
   EXPECT_EQ(two[1].potential.error, 0);
 }
 
+struct Potential {
+  std::function<double(double)> energy, force;
+};
+
+// Steep, wavy and smooth.
+const std::vector<Potential> kPotentials = {
+    {lennard_jones, lennard_jones_force},
+    {[](double r) { return 3 * std::cos(31 * r) * std::exp(-4 * r); },
+     [](double r) { return 3 * std::exp(-4 * r) * (31 * std::sin(31 * r) + 4 * std::cos(31 * r)); }},
+    {[](double r) { return -14 / r; }, [](double r) { return -14 / (r * r); }}};
+
+// The doubt is as large as what the potential is off, and falls as it does.
 TEST(MeanForce, SaysWhereLengthsAreTooFarApart) {
-  const auto spacing = [](int count) {
-    return error_of_spacing(integrate_mean_force(pair_at(evenly(0.33, 0.8, count), 0), kT), kT);
-  };
-  const auto off = [](int count) {
-    double most = 0;
-    for (const FreeEnergies& e : integrate_mean_force(pair_at(evenly(0.33, 0.8, count), 0), kT))
-      most = std::max(most, std::abs(e.potential.value - lennard_jones(e.at.length) + lennard_jones(0.8)));
-    return most;
-  };
-  for (const int count : {21, 41, 81}) {
-    EXPECT_GT(spacing(count), 0.5 * off(count)) << count;
-    EXPECT_LT(spacing(count), 2 * off(count)) << count;
+  for (std::size_t p = 0; p < kPotentials.size(); ++p)
+    for (const int count : {5, 6, 7, 8, 9, 10, 21, 41, 81}) {
+      const auto& [energy, force] = kPotentials[p];
+      std::vector<HeldLength> lengths;
+      for (const double d : evenly(0.33, 0.8, count))
+        lengths.push_back({d, {force(d) + 2 * kT / d, 0}, {3, 0}});
+      double off = 0;
+      for (const FreeEnergies& e : integrate_mean_force(lengths, kT))
+        off = std::max(off, std::abs(e.potential.value - energy(e.at.length) + energy(0.8)));
+      EXPECT_GT(*error_of_spacing(lengths), 0.5 * off) << p << " " << count;
+      EXPECT_LT(*error_of_spacing(lengths), 10 * off) << p << " " << count;
+    }
+  EXPECT_FALSE(error_of_spacing(pair_at(evenly(0.33, 0.8, 4), 0)));
+}
+
+// Tensions that scatter about a smooth force by their errors say nothing of the spacing.
+TEST(MeanForce, DoubtsNoSpacingForScatterOfTensions) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal;
+  int doubted = 0;
+  for (int trial = 0; trial < 100; ++trial) {
+    std::vector<HeldLength> lengths = pair_at(evenly(0.6, 0.8, 11), 2);
+    double error = 0;
+    for (HeldLength& at : lengths) at.tension.value += at.tension.error * normal(random);
+    for (const FreeEnergies& e : integrate_mean_force(lengths, kT))
+      error = std::max(error, e.potential.error);
+    doubted += *error_of_spacing(lengths) > error;
   }
-  EXPECT_EQ(spacing(4), 0);
+  EXPECT_LT(doubted, 5);
 }
 
 // ---- Tensions beside closed forms
@@ -290,11 +319,87 @@ TEST(Scan, SaysWhyThereIsNoPotentialOfMeanForce) {
       refused(lengths +
               "--set 'bias=[{name=\"b\", variable=\"distance\", groups=[0, 1], at_nm=1, k_kj_mol_nm2=9}]'"),
       AllOf(HasSubstr("bias b"), HasSubstr("held rigid")));
+  EXPECT_THAT(refused(lengths + "--method penalty --dt-fs 0.5"), HasSubstr("holds bonds by springs"));
+  EXPECT_THAT(refused(lengths + "--set run.seed=77"), HasSubstr("--set run.seed: --pmf gives each run"));
+  EXPECT_THAT(said("scan " + scene + " --seeds 2 --set run.seed=77" + out, 2),
+              HasSubstr("--set run.seed: --seeds gives each run"));
+  EXPECT_THAT(refused("--vary molecule.pair.bonds.0.2=0.4,0.4 --set run.dt_fs=1"),
+              HasSubstr("no rigid bond has several lengths"));
   EXPECT_FALSE(fs::exists(folder.path() / "scan"));
   EXPECT_THAT(
       said("scan " + scene + " --steps 10 " + lengths + out),
       HasSubstr(
           "no potential of mean force along bond 0-1: the rows at 0.4 nm are too few to have an error"));
+}
+
+// What the numbers alone do not say is in the words, in JSON and in the table.
+TEST(Scan, SaysWhatAPotentialOfMeanForceIsNot) {
+  const TemporaryFolder folder;
+  const Undrawn undrawn;
+  std::string text = kPair;
+  text.erase(text.find("exclude"), std::string("exclude = \"none\"\n").size());
+  text.erase(text.find("tension_of"));
+  text.replace(text.find("count = 1"), 9, "count = 2");
+  const std::string scene =
+      folder.write("scene.toml", text + "seed = 77\n[build]\nbox_nm = 4\n[forcefield]\ncutoff_nm = 1\n")
+          .string();
+  const std::string out = (folder.path() / "scan").string();
+  const std::string words =
+      said("scan " + scene + " --steps 2000 --vary molecule.pair.bonds.0.2=0.3,0.4,0.5 --pmf --out " + out);
+  EXPECT_THAT(words, AllOf(HasSubstr("run.seed = 77 is replaced: the runs have seeds from 1 to 3"),
+                           HasSubstr("2 bonds are held at one length together"),
+                           HasSubstr("0 and 1 do not act on each other (exclude), nor do the atoms of 1")));
+  const json curve = json::parse(said("measure --from auto --json " + out)).back();
+  EXPECT_TRUE(curve["spacing_error_kj_mol"].is_null());
+  EXPECT_EQ(curve["doubts"].size(), 1u);
+  EXPECT_EQ(curve["notes"].size(), 2u);
+  EXPECT_THAT(curve["corrected"].get<std::string>(), HasSubstr("no other rigid bond"));
+  EXPECT_THAT(
+      contents(out + "/mean_force.csv"),
+      AllOf(HasSubstr("spacing_error_kj_mol,corrected,notes,doubts"), HasSubstr("3 lengths cannot tell")));
+}
+
+// More pairs than one word of a command line holds.
+TEST(Scan, RefusesMoreBondsThanACommandLineNames) {
+  const TemporaryFolder folder;
+  std::string text = kPair;
+  text.erase(text.find("tension_of"));
+  text.replace(text.find("count = 1"), 9, "count = 9000");
+  const std::string scene =
+      folder.write("scene.toml", text + "[build]\nbox_nm = 60\n[forcefield]\ncutoff_nm = 1\n").string();
+  EXPECT_THAT(said("scan " + scene + " --pmf --vary molecule.pair.bonds.0.2=0.3,0.4 --out " +
+                       (folder.path() / "scan").string(),
+                   2),
+              HasSubstr("9000 bonds change their length, more than a command line can name"));
+}
+
+// Of five atoms all ten distances are held, and one bond is left out: the log has what bond_tensions has.
+TEST(Tension, OfAnOverdeterminedClusterIsSharedAsInTheTrajectory) {
+  const std::string text = R"([build]
+kind = "atoms"
+atoms = [[0, 0, 0, 10], [0.3, 0, 0, 12], [0.1, 0.3, 0, 14], [0.1, 0.1, 0.3, 16], [0.15, 0.12, -0.3, 18]]
+bonds = [[0, 1, 0.3], [0, 2, 0.31622776601683794], [1, 2, 0.36055512754639896], [0, 3, 0.33166247903554],
+  [1, 3, 0.37416573867739417], [2, 3, 0.36055512754639896], [0, 4, 0.35623026261113757],
+  [1, 4, 0.35623026261113757], [2, 4, 0.35341194094144583], [3, 4, 0.6023288138549]]
+[run]
+dt_fs = 0.1
+steps = 10
+log_every = 10
+temperature_k = 300
+redundant = "drop"
+)";
+  const Scene all = read(text);
+  for (const RigidBond& bond : all.system.bonds) {
+    Scene scene = all;
+    scene.run.tension_of = {{bond.i, bond.j}};
+    Simulation simulation(scene);
+    HeldTension held{};
+    simulation.run([&](const Record& r) { held = *r.held; });
+    const Eigen::VectorXd shared = simulation.bond_tensions();
+    const auto k = &bond - all.system.bonds.data();
+    EXPECT_NEAR(held.tension, shared[k], 0.01 * shared.cwiseAbs().maxCoeff()) << k;
+    EXPECT_TRUE(std::isnan(held.weight));
+  }
 }
 
 TEST(Tension, IsRefusedOfWhatIsNoRigidBond) {

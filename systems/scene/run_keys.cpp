@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "files/h5md_file.hpp"
+#include "md/bonds_by_atoms.hpp"
 #include "systems/scene/velocities.hpp"
 
 namespace taut {
@@ -160,6 +162,9 @@ void settle_tensions(const TomlTable& run, Scene& scene) {
         sys.one_sided, [&](const OneSidedBond& b) { return std::minmax(b.i, b.j) == std::minmax(i, j); });
   };
   std::vector<std::array<int, 2>>& pairs = scene.run.tension_of;
+  if (pairs.empty()) return;
+  const BondsByAtoms bonds = bonds_by_atoms(sys);
+  std::set<std::array<int, 2>> seen;
   for (std::size_t row = 0; row < pairs.size(); ++row) {
     for (int& atom : pairs[row]) {
       if (atom < -sys.atoms() || atom >= sys.atoms())
@@ -172,18 +177,17 @@ void settle_tensions(const TomlTable& run, Scene& scene) {
                fmt::format("a strut or rope is between {} and {}; expected a rigid bond, of which there is "
                            "the tension at every instant",
                            i, j));
-    const auto bond = std::ranges::find_if(
-        sys.bonds, [&](const RigidBond& b) { return std::minmax(b.i, b.j) == std::minmax(i, j); });
-    if (bond == sys.bonds.end())
+    const auto bond = bonds.find(in_order(i, j));
+    if (bond == bonds.end())
       run.fail("tension_of", row,
                fmt::format("no rigid bond is between {} and {}; to hold their distance give it as "
                            "molecule.NAME.bonds (build.bonds, a constraint of the System)",
                            i, j));
-    pairs[row] = {bond->i, bond->j};
-    if (std::ranges::count(pairs.begin(), pairs.begin() + static_cast<std::ptrdiff_t>(row), pairs[row]) > 0)
+    pairs[row] = {sys.bonds[bond->second].i, sys.bonds[bond->second].j};
+    if (!seen.insert(pairs[row]).second)
       run.fail("tension_of", row, fmt::format("{}-{} is there twice", i, j));
   }
-  if (!pairs.empty() && !sys.one_sided.empty())
+  if (!sys.one_sided.empty())
     run.fail("tension_of", "what ropes and struts take over would be missing from it; leave the key out");
 }
 
