@@ -3,6 +3,7 @@
 
 #include "measures/mean_force.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -357,6 +358,25 @@ TEST(Scan, SaysWhatAPotentialOfMeanForceIsNot) {
   EXPECT_THAT(
       contents(out + "/mean_force.csv"),
       AllOf(HasSubstr("spacing_error_kj_mol,corrected,notes,doubts"), HasSubstr("3 lengths cannot tell")));
+}
+
+// A weight that drifts over its few rows has no error, and is not exact for that.
+TEST(Scan, HasNoPotentialWhereAWeightHasNoError) {
+  const TemporaryFolder folder;
+  const Undrawn undrawn;
+  const std::string scene = folder.write("scene.toml", kPair).string();
+  const std::string out = (folder.path() / "scan").string();
+  said("scan " + scene + " --steps 2000 --vary molecule.pair.bonds.0.2=0.4,0.5 --pmf --out " + out);
+  const std::string log = contents(out + "/001/log.csv");
+  std::string drifting;
+  double weight = 1;
+  for (std::size_t at = 0, end; (end = log.find('\n', at)) != log.npos; at = end + 1) {
+    const std::string row = log.substr(at, end - at);
+    drifting += at == 0 ? row : fmt::format("{},{}", row.substr(0, row.rfind(',')), weight += 0.1);
+    drifting += "\n";
+  }
+  folder.write("scan/001/log.csv", drifting);
+  EXPECT_THAT(said("measure " + out), HasSubstr("the rows at 0.4 nm are too few for ⟨w⟩ to have an error"));
 }
 
 // More pairs than one word of a command line holds.
