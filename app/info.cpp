@@ -154,7 +154,7 @@ void info(const InfoArguments& arguments) {
     atoms.push_back(counted(static_cast<long>(sys.one_sided.size()), "one-sided bond"));
   line("holds", atoms);
   line("molecules", molecules_of(scene));
-  if (scene.start.box.periodic()) line("in a", {box_line(scene.start.box)});
+  if (scene.start.box.periodic()) line("in a", {box_line(scene, scene.start.box)});
   line("forces", forces_of(scene));
   line("runs", {start_line(scene)});
   say("\n");

@@ -4,13 +4,16 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <set>
 
 #include "base/team.hpp"
+#include "base/threads.hpp"
 #include "base/usable_cores.hpp"
 #include "base/words.hpp"
 #include "printing.hpp"
 #include "simulation/log_columns.hpp"
 #include "systems/builders/motions.hpp"
+#include "systems/molecules/whole_molecules.hpp"
 #include "systems/scene/velocities.hpp"
 
 namespace taut {
@@ -54,8 +57,9 @@ std::string barostat_line(const Scene& scene) {
 std::string speed_line(const Simulation& simulation) {
   const Terms& terms = simulation.scene().terms;
   const bool mixed = terms.precision == Precision::kMixed;
-  const int threads = simulation.threads(), cores = usable_cores(),
-            busy = std::min(threads, threads_in_team());
+  const int threads = simulation.threads(), cores = usable_cores();
+  const ThreadScope of_the_run(threads);
+  const int busy = std::min(threads, threads_in_team());
   const int other = busy < threads ? std::min(busy, cores) : threads < cores ? cores : 1;
   return fmt::format("{}{} of {}{}{}",
                      terms.nonbonded || terms.wca || terms.tabulated_pairs
@@ -126,11 +130,25 @@ void print_title(const Scene& scene) {
   for (const auto& note : scene.notes) say("  note: {}\n", wrapped(note, terminal_width(), 8));
 }
 
-std::string box_line(const Box& box) {
+// Which molecules have no whole, so that what files and measures say of their places and centres is of images.
+std::string around_line(const Scene& scene) {
+  const System& sys = scene.system;
+  if (sys.reach.empty()) return "";
+  const std::vector<int> molecule = molecules(sys, scene.terms);
+  std::set<int> around;
+  for (int a = 0; a < sys.atoms(); ++a)
+    if (sys.reach[a] != Reach::kWhole) around.insert(molecule[a]);
+  return fmt::format(", {} bonded around it to {} own image",
+                     counted(static_cast<long>(around.size()), "molecule"),
+                     around.size() == 1 ? "its" : "their");
+}
+
+std::string box_line(const Scene& scene, const Box& box) {
   const std::string tilt = box.tilt.isZero(0) ? ""
                                               : fmt::format(", tilted by {:.6g}, {:.6g}, {:.6g}",
                                                             box.tilt.x(), box.tilt.y(), box.tilt.z());
-  return fmt::format("box {:.6g} × {:.6g} × {:.6g} nm{}", box.edge.x(), box.edge.y(), box.edge.z(), tilt);
+  return fmt::format("box {:.6g} × {:.6g} × {:.6g} nm{}{}", box.edge.x(), box.edge.y(), box.edge.z(), tilt,
+                     around_line(scene));
 }
 
 std::string start_line(const Scene& scene) {
@@ -153,7 +171,7 @@ void print_header(const Simulation& simulation) {
   say("  atoms {}{}   bonds {}{}   clusters {}   degrees of freedom {}\n", sys.atoms(), sites,
       sys.bond_count(), one_sided, simulation.clusters(), simulation.dof().sum());
   const Box& box = simulation.state().box;
-  if (box.periodic()) say("  {}\n", box_line(box));
+  if (box.periodic()) say("  {}\n", box_line(scene, box));
   say("  method {}: {}\n", scene.method.name(), simulation.method().setting());
   for (std::size_t m = 0; m < scene.motions.size(); ++m) say("  {}\n", in_words(scene.motions[m], m));
   say("  {}\n  {}\n\n", start_line(scene), speed_line(simulation));

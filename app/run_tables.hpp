@@ -16,7 +16,8 @@ void print_timings(const Timings& timings);
 
 // The parts of the header that describe a scene before it runs.
 void print_title(const Scene& scene);
-std::string box_line(const Box& box);        // "box 1.86 × 1.86 × 1.86 nm"
+// With what is bonded around it:
+std::string box_line(const Scene& scene, const Box& box);  // "box 1.86 × 1.86 × 1.86 nm"
 std::string start_line(const Scene& scene);  // "1000 steps of 2 fs = 2 ps, seed 1, velocities …"
 
 }  // namespace taut

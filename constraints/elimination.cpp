@@ -128,6 +128,12 @@ Elimination::Elimination(const Couplings& couplings, std::vector<Stage> stage, O
     const auto [first, last] = std::minmax(place[k], place[l]);
     signed_inv_mass[entry(last, first)] = couplings.signed_inv_mass[e];
   }
+  std::size_t updates = 0;  // many where rings fill a net: no room for growth besides
+  for (int k = 0; k < n; ++k) {
+    const auto below = static_cast<std::size_t>(column_start[k + 1] - column_start[k]);
+    if (below > 0) updates += below * (below - 1) / 2;
+  }
+  update.reserve(updates);
   for (int k = 0; k < n; ++k)
     for (int p = column_start[k]; p < column_start[k + 1]; ++p)
       for (int q = p + 1; q < column_start[k + 1]; ++q) update.push_back(entry(row[q], row[p]));

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 
+#include "base/errors.hpp"
 #include "md/step_parts.hpp"
 
 namespace taut {
@@ -14,6 +16,16 @@ MonteCarloBarostat::MonteCarloBarostat(const System& sys, const std::vector<int>
 
 double MonteCarloBarostat::energy(const System& sys) {
   return forces_.field.evaluate_energy_alone(sys, trial_);
+}
+
+// What is bonded around the box stretches with it: springs may break, leave their tables or reach over half the box.
+double MonteCarloBarostat::energy_of_box(const System& sys) {
+  try {
+    return energy(sys);
+  } catch (const SimulationFailure& failure) {
+    if (without_energy_++ == 0) why_without_energy_ = failure.what();
+    return std::numeric_limits<double>::infinity();
+  }
 }
 
 double MonteCarloBarostat::move_box(const System& sys, State& s) {
@@ -31,7 +43,7 @@ double MonteCarloBarostat::move_box(const System& sys, State& s) {
   too_narrow_ += too_narrow;
   if (to > 0 && !too_narrow) {
     centres_.scale_positions(mu, trial_.x);
-    const double W = energy(sys) - before + coupling_.pressure * (to - V) -
+    const double W = energy_of_box(sys) - before + coupling_.pressure * (to - V) -
                      centres_.groups() * coupling_.kT * std::log(to / V);
     if (chance < std::exp(-W / coupling_.kT)) {
       s.x = trial_.x;
@@ -44,6 +56,12 @@ double MonteCarloBarostat::move_box(const System& sys, State& s) {
 }
 
 std::string MonteCarloBarostat::doubt() const {
+  if (without_energy_ > 0)
+    return fmt::format(
+        "the barostat refused {} of {} trial boxes, as in them forces have no value, which keeps volumes "
+        "from "
+        "there; in the first {}",
+        without_energy_, trials_, why_without_energy_);
   if (too_narrow_ == 0) return "";
   return fmt::format(
       "the barostat refused {} of {} trial boxes as too narrow for the cutoff, which keeps the volume up; "

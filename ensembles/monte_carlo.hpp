@@ -15,7 +15,7 @@ namespace taut {
 // velocities as they are. Every ten trials the largest ΔV changes where less than a quarter or more than
 // three quarters were taken: by a tenth at first, then less and less, or what is sampled would be another
 // distribution (Roberts and Rosenthal 2007, doi:10.1239/jap/1183667414). A box that is too narrow for a
-// cutoff is never taken: volumes end there as at a wall, which is a doubt.
+// cutoff, or in which forces have no value, is never taken: volumes end there as at a wall, which is a doubt.
 class MonteCarloBarostat final : public Bath {
  public:
   // molecule: of each atom, counted from 0.
@@ -39,6 +39,7 @@ class MonteCarloBarostat final : public Bath {
  private:
   static constexpr int kTrials = 10;
   double energy(const System& sys);  // of trial_
+  double energy_of_box(const System& sys);
   void adapt();
 
   CentreScaling centres_;
@@ -48,7 +49,8 @@ class MonteCarloBarostat final : public Bath {
   double largest_ = 0;  // ΔV [nm³]
   int tried_ = 0, taken_ = 0;
   long adapted_ = 0;
-  long trials_ = 0, too_narrow_ = 0;  // since it was made
+  long trials_ = 0, too_narrow_ = 0, without_energy_ = 0;  // since it was made
+  std::string why_without_energy_;                         // the first
   State trial_;
   RandomCounter random_;
 };

@@ -44,6 +44,7 @@ void write_pdb(const std::filesystem::path& file, const TrajectorySetup& setup, 
   const System& sys = setup.sys;
   const Names& names = setup.names;
   std::string text = "REMARK   1 written by taut: positions unwrapped, molecules whole\n";
+  if (!sys.reach.empty()) text += "REMARK   1 but for those bonded around the box: bonds of nearest images\n";
   const auto out = std::back_inserter(text);
   if (s.box.periodic()) {
     const auto [length, angle] = to_unit_cell(s.box);

@@ -56,12 +56,6 @@ struct ForceField::Impl {
   Impl(const System& sys, const Box& start, Terms given)
       : terms(std::move(given)), box(start), frozen(sys, terms) {
     check_terms(sys, box, terms);
-    for (const auto& field : terms.own)
-      if (!sys.reach.empty() && field->kind() == OwnField::Kind::kWithinMolecules)
-        throw InputError(fmt::format(
-            "{}: acts within whole molecules, and a molecule is bonded around the box to its own image; "
-            "leave it out",
-            field->name()));
     std::vector<PairException> exceptions;
     if (terms.nonbonded) {
       if (auto& parameters = terms.nonbonded->pme) {
@@ -144,6 +138,7 @@ struct ForceField::Impl {
   }
 
   void add_bonded_and_fields(const System& sys, const State& s, Vectors& f, Evaluation& besides) {
+    besides.bonded = {};
     if (bonded.pieces().count() > 0) {
       const PartScope here(StepPart::kBonded);
       besides.bonded = bonded.add_forces(s.x, f);
@@ -151,7 +146,6 @@ struct ForceField::Impl {
     if (through_box.pieces() > 0) {
       const PartScope here(StepPart::kBonded);
       const BondedForces::KindEnergies more = through_box.add_forces(s.box, s.x, f);
-      if (bonded.pieces().count() == 0) besides.bonded = {};
       for (std::size_t k = 0; k < more.size(); ++k) besides.bonded[k] += more[k];
     }
     add_fields(sys, s, f, besides);
@@ -260,7 +254,7 @@ Eigen::Matrix3d ForceField::virial(const State& at, const Evaluation& besides) {
   impl_->place_atoms(x, at.box);
   Vectors& f = impl_->bonded_forces;
   f.setZero(3, x.cols());
-  if (impl_->bonded.pieces().count() > 0) impl_->bonded.add_forces(x, f);
+  impl_->bonded.add_forces(x, f);
   for (const auto& field : impl_->terms.own)
     if (field->kind() == OwnField::Kind::kWithinMolecules) field->add(x, f);
   Eigen::Matrix3d sum = x.lazyProduct(f.transpose());  // which allocates nothing

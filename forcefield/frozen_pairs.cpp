@@ -96,7 +96,10 @@ class Selection {
 }  // namespace
 
 FrozenPairs::FrozenPairs(const System& sys, const Terms& terms) : atoms_(frozen_atoms(sys)) {
-  if (atoms_.size() > 1) terms_ = Selection(atoms_, sys.atoms()).of(terms);
+  if (atoms_.size() < 2) return;
+  terms_ = Selection(atoms_, sys.atoms()).of(terms);
+  if (sys.reach.empty()) return;
+  for (const int a : atoms_) reach_.push_back(sys.reach[a]);
 }
 FrozenPairs::~FrozenPairs() = default;
 FrozenPairs::FrozenPairs(FrozenPairs&&) noexcept = default;
@@ -107,7 +110,8 @@ const Eigen::Matrix3d& FrozenPairs::virial(const State& at) {
   const Vectors x = at.x(Eigen::seqN(0, 3), atoms_);
   if (at_.x.cols() == x.cols() && at_.x == x && at_.box == at.box) return virial_;
   at_ = {x, {}, {}, at.t, at.box};
-  const System alone = make_system(Eigen::VectorXd::Ones(x.cols()), {});  // that may move
+  System alone = make_system(Eigen::VectorXd::Ones(x.cols()), {});  // that may move
+  alone.reach = reach_;
   ForceField forces(alone, at.box, *terms_);
   ForceField::Evaluation besides;
   forces.evaluate(alone, at_, besides);

@@ -26,6 +26,7 @@ class FrozenPairs {
 
  private:
   std::vector<int> atoms_;
+  std::vector<Reach> reach_;    // of each of them
   std::optional<Terms> terms_;  // of these atoms alone
   State at_;                    // of these atoms, where the virial was computed
   Eigen::Matrix3d virial_ = Eigen::Matrix3d::Zero();

@@ -219,6 +219,7 @@ TEST(Manners, RunsSayHowManyThreadsHaveWork) {
   EXPECT_THAT(said("run water --set forcefield.coulomb=pme --steps 0 --threads 16"),
               HasSubstr(", of which so few atoms keep 3 busy"));
   EXPECT_THAT(said("run water --set build.molecules=700 --steps 0 --threads 2"), Not(HasSubstr("busy")));
+  EXPECT_THAT(said("run water --set build.molecules=1000 --steps 0"), Not(HasSubstr("busy"))) << "by default";
 }
 
 // How many threads compute unless a run says so itself: the first number of OMP_NUM_THREADS, and what is none

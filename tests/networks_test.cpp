@@ -16,6 +16,7 @@
 #include "simulation/minimise.hpp"
 #include "simulation/simulation.hpp"
 #include "systems/molecules/whole_molecules.hpp"
+#include "systems/scene/start_file.hpp"
 
 namespace taut::networks_tests {
 namespace {
@@ -118,6 +119,41 @@ TEST(Networks, ForcesAndVirialAreSlopesOfTheEnergy) {
       return energy_at(mu.asDiagonal() * s.x, s.box.scaled(mu));
     };
     EXPECT_NEAR(virial(k, k), (strained(-step) - strained(step)) / (2 * step), 1e-3 + 1e-4 * virial.norm());
+  }
+}
+
+// Anchors are pressed on by those they are bonded to around the box as by those beside them: half the ring further, all is alike.
+TEST(Networks, AnchorsThatAreBondedAroundTheBoxPressAsAnyOthers) {
+  for (const bool charged : {false, true}) {
+    const auto virial_with = [&](std::vector<int> anchors) {
+      Ring ring(8, 0.28, Box{{2, 1.9, 1.8}}, false);
+      Terms& terms = ring.scene.terms;
+      for (int a = 0; a < 8; ++a) terms.fene.push_back({a, (a + 1) % 8, 1000, 0.5});
+      if (charged) {
+        Nonbonded& nb = terms.nonbonded.emplace();
+        nb.charge = Eigen::VectorXd::Zero(8);
+        nb.sigma = Eigen::VectorXd::Constant(8, 0.2), nb.epsilon = Eigen::VectorXd::Constant(8, 0.4);
+        nb.cutoff = 0.85;
+        nb.pme.emplace().grid = {32, 32, 32};
+        for (int a = 0; a < 8; ++a) {
+          nb.charge[a] = a % 2 == 0 ? 0.4 : -0.4;
+          nb.exceptions.push_back({a, (a + 1) % 8, -0.08, 0.2, 0.2});
+          nb.exceptions.push_back({a, (a + 2) % 8, 0, 1, 0});
+        }
+      }
+      Eigen::VectorXd mass = Eigen::VectorXd::Constant(8, 10);
+      for (const int a : anchors) mass[a] = 0;
+      ring.scene.system = make_system(mass, {});
+      ring.settle();
+      State s = ring.scene.start;
+      ForceField forces(ring.scene.system, s.box, terms);
+      ForceField::Evaluation besides;
+      forces.evaluate(ring.scene.system, s, besides);
+      return forces.virial(s, besides);
+    };
+    const Eigen::Matrix3d beside = virial_with({3, 4, 5});
+    EXPECT_GT(std::abs(beside(0, 0) - virial_with({3})(0, 0)), 1) << "what is among anchors counts nothing";
+    EXPECT_LT((virial_with({7, 0, 1}) - beside).norm(), 1e-6 * beside.norm()) << charged;
   }
 }
 
@@ -253,6 +289,36 @@ TEST_P(NetworksUnderABarostat, HaveTheirVolumes) {
 }
 INSTANTIATE_TEST_SUITE_P(All, NetworksUnderABarostat, testing::Values("monte-carlo", "c-rescale"));
 
+// Three rigid pairs around the box, each joined to the next by a spring from its outer end to the far one's, a hair below half
+// the box: what is bonded by centres shrinks less than the box.
+TEST(Networks, TrialBoxesInWhichASpringReachesOverHalfTheBoxAreRefused) {
+  constexpr double d = 0.133, edge = 1.6;
+  Scene scene;
+  State& s = scene.start;
+  s.box.edge = Vec3(2, edge, edge);
+  s.x = Vectors::Zero(3, 6);
+  s.v = s.f = s.x;
+  std::vector<RigidBond> bonds;
+  for (int pair = 0; pair < 3; ++pair) {
+    s.x(0, 2 * pair) = 2.0 / 3 * pair, s.x(0, 2 * pair + 1) = 2.0 / 3 * pair + d;
+    bonds.push_back({2 * pair, 2 * pair + 1, d});
+    scene.terms.bonds.push_back({2 * pair, (2 * pair + 3) % 6, 0.7, 1});
+  }
+  scene.system = make_system(Eigen::VectorXd::Constant(6, 1e6), bonds);
+  make_whole(tethers(scene.system, scene.terms), s, scene.system);
+  ASSERT_EQ(scene.system.reach[0], Reach::kMolecule);
+  scene.method = default_options("newton");
+  scene.names = guessed_names(scene.system, scene.terms);
+  scene.run.dt_fs = 1, scene.run.steps = 20, scene.run.log_every = 10;
+  scene.run.temperature_k = 1, scene.run.thermostat = "langevin";
+  scene.run.barostat = "monte-carlo", scene.run.barostat_every = 1, scene.run.pressure_bar = 1e6;
+  Simulation simulation(scene, 1);
+  const Summary summary = simulation.run({});
+  EXPECT_EQ(summary.steps, 20);
+  EXPECT_GT(simulation.state().box.volume(), 0.9924 * s.box.volume());
+  EXPECT_THAT(summary.doubts, testing::Contains(HasSubstr("over half the box")));
+}
+
 TEST(Networks, RefuseABarostatWhereRigidBondsGoAround) {
   Ring ring(8, 0.28, kBox, true);
   ring.scene.run.barostat = "c-rescale", ring.scene.run.temperature_k = 300;
@@ -281,6 +347,26 @@ TEST(Networks, KeepTheirImagesInFiles) {
     EXPECT_EQ(again.system.reach, ring.scene.system.reach);
     EXPECT_NEAR(energy_of(again), energy, 1e-9 * energy);
   }
+}
+
+TEST(Networks, OfFeneSpringsGoOnFromTheirEnd) {
+  Ring ring(8, 0.28, kBox, false);
+  ring.scene.terms.bonds.clear(), ring.scene.terms.angles.clear();
+  for (int a = 0; a < 8; ++a) ring.scene.terms.fene.push_back({a, (a + 1) % 8, 1000, 0.4});
+  ring.scene.terms.wca = Wca{0.2, 1, {}};
+  const tests::LammpsFolder out;
+  write_lammps(ring.scene, (out.folder.path() / "a").string());
+  write_start(out.folder.path() / "end.toml", ring.scene.start);
+  const Scene on = out.read_back("start = \"end.toml\"\nspecial_lj = [0, 1, 1]", "pair = \"wca\"");
+  EXPECT_EQ(on.system.reach[0], Reach::kMolecule);
+  EXPECT_THAT(on.notes, testing::Not(testing::Contains(HasSubstr("set aside"))));
+}
+
+TEST(Networks, RefuseTheMetricCorrectionByItsKey) {
+  Ring ring(8, 0.28, kBox, true);
+  ring.scene.run.metric_correction = true, ring.scene.run.temperature_k = 300;
+  EXPECT_THAT(error_message([&] { Simulation(ring.scene, 1); }),
+              HasSubstr("run.metric_correction: depends on"));
 }
 
 // Names atoms as the scene does.

@@ -115,6 +115,34 @@ TEST(WholeMolecules, RefuseABondOverHalfTheBoxWhereTheyMeetTheirOwnImage) {
               HasSubstr("their bond of 1.05 nm is over half the box"));
 }
 
+// Sites on each bond of a ring around the box, of rigid bonds, of springs, or on nothing else; with one bond free of them
+// what they tie is whole.
+TEST(WholeMolecules, RefuseSitesThatChainAroundTheBox) {
+  for (const auto by : {Tether::By::kBond, Tether::By::kSpring, Tether::By::kSite})
+    for (const int sites : {4, 3}) {
+      Vectors x = Vectors::Zero(3, 8);
+      std::vector<Tether> tethers;
+      for (int a = 0; a < 4; ++a) {
+        const int next = (a + 1) % 4;
+        x(0, a) = 0.5 * a, x(0, 4 + a) = 0.5 * a + 0.2;
+        if (by != Tether::By::kSite) tethers.push_back({a, next, by, 0.5});
+        if (a >= sites) continue;
+        tethers.push_back({a, 4 + a, Tether::By::kSite});
+        tethers.push_back({a, next, Tether::By::kSite});
+      }
+      EXPECT_THAT(error_message([&] { make_whole(kBox, tethers, x); }),
+                  HasSubstr(sites == 4 ? "atoms 3 and 0: virtual sites tie" : "no error"));
+    }
+  // A site between the ends of a chain that is longer than half the box is between them as they are.
+  Vectors chain = Vectors::Zero(3, 5);
+  chain.row(0) << 0, 0.5, 1.0, 1.5, 0.75;
+  const Vectors as_given = chain;
+  make_whole(kBox,
+             {spring(0, 1), spring(1, 2), spring(2, 3), {0, 4, Tether::By::kSite}, {0, 3, Tether::By::kSite}},
+             chain);
+  EXPECT_EQ(chain, as_given);
+}
+
 void expect_kept(const std::vector<Tether>& tethers, const Vectors& x) {
   Vectors moved = x;
   make_whole(kBox, tethers, moved);

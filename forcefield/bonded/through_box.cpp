@@ -66,10 +66,12 @@ BondedForces::KindEnergies BondedThroughBox::evaluate(const Box& box, const Vect
     return forces_.add_forces(x_, f_);
   } catch (const SimulationFailure&) {
     throw_with_own_numbers(box, x);
+    throw;
   }
 }
 
-// Term by term, each on atoms moved to where it has them.
+// Throws what BondedForces throws of a term whose atoms have their own numbers: term by term, each on atoms moved to where it
+// has them. Correction maps and exceptions have a value at any place.
 void BondedThroughBox::throw_with_own_numbers(const Box& box, const Vectors& x) const {
   Vectors f = Vectors::Zero(3, x.cols());
   for_each_list([&](auto list) {
@@ -84,7 +86,6 @@ void BondedThroughBox::throw_with_own_numbers(const Box& box, const Vectors& x) 
       BondedForces(one, {}).add_forces(placed, f);
     }
   });
-  throw;  // none of these: what is being handled
 }
 
 BondedForces::KindEnergies BondedThroughBox::add_forces(const Box& box, const Vectors& x, Vectors& f) {

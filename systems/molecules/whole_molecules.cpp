@@ -113,7 +113,8 @@ class TetheredImages {
     if (fits && second > std::min(10 * off, kFits * tether_.length) + kRounding * tether_.length) return;
     throw InputError(fmt::format(
         "atoms {} and {} are {:.4g} nm apart, and {} of their images has the length of their bond, {:.4g} "
-        "nm, which is over half the box: give positions of whole molecules",
+        "nm, which is over half the box: give positions of whole molecules, or take a larger box if one is "
+        "bonded around it to its own image",
         tether_.i, tether_.j, given_.norm(), fits ? "more than one" : "none", tether_.length));
   }
 
@@ -245,8 +246,10 @@ namespace {
 // Joins atoms by the tethers that `uses` picks. Returns for each atom whether what it is joined to meets its own image.
 std::vector<bool> join(const Box& box, const std::vector<Tether>& tethers, const Vectors& x, const auto& uses,
                        JoinedAtoms& joined) {
-  std::vector<int> around;  // an atom of each tether that closes a ring around the box
-  for (int rank = 0; rank < 3; ++rank)
+  std::vector<int> around;      // an atom of each tether that closes a ring around the box
+  JoinedAtoms surely = joined;  // by bonds and springs alone
+  for (int rank = 0; rank < 3; ++rank) {
+    if (rank == 2) surely = joined;
     for (const Tether& tether : tethers) {
       if (!uses(tether)) continue;
       const TetheredImages images(box, tether, x.col(tether.j) - x.col(tether.i));
@@ -257,8 +260,17 @@ std::vector<bool> join(const Box& box, const std::vector<Tether>& tethers, const
         continue;
       }
       const Vec3 cell = j.cell - i.cell;  // it closes a ring
-      if (rank < 2 && !images.fit(cell) && cell != images.cell()) around.push_back(tether.i);
+      if (images.fit(cell) || cell == images.cell()) continue;
+      if (rank < 2) around.push_back(tether.i);
+      if (tether.by == Tether::By::kSite && surely.find(tether.i).root != surely.find(tether.j).root)
+        throw InputError(fmt::format(
+            "atoms {} and {}: virtual sites tie atoms together all around the box to their own image, and a "
+            "site's place is between its parents as they are, not between their images: leave the site "
+            "between "
+            "these two out",
+            tether.i, tether.j));
     }
+  }
   std::vector<bool> root_meets_itself(static_cast<std::size_t>(x.cols())), meets_itself = root_meets_itself;
   for (const int a : around) root_meets_itself[joined.find(a).root] = true;
   for (int a = 0; a < x.cols(); ++a) meets_itself[a] = root_meets_itself[joined.find(a).root];
