@@ -48,7 +48,7 @@ TEST(Manners, AKeyIsExplained) {
   EXPECT_THAT(said("help run.dt_sf", 2), EndsWith("did you mean \"run.dt_fs\"?\n"));
   EXPECT_EQ(said("help dt_fs"), said("help run.dt_fs"));
   const std::string sections =
-      "atom, molecule, place, pair, wall, bias, build, forcefield, run, method, start";
+      "atom, molecule, place, pair, wall, bias, motion, build, forcefield, run, method, start";
   EXPECT_THAT(taut("help", "COLUMNS=400").text, HasSubstr("a section of them: " + sections));
   EXPECT_THAT(said("help zzzzzzzz", 2), HasSubstr("sections: " + sections));
   EXPECT_THAT(said("help rope"), AllOf(HasSubstr("molecule.NAME.at_most"), Not(HasSubstr("impropers"))));

@@ -193,7 +193,7 @@ molecule = "trimer"
 count = 1
 [run]
 dt_fs = 5
-steps = 60000
+steps = 100000
 log_every = 10
 temperature_k = 300
 thermostat = "langevin"
@@ -250,7 +250,7 @@ tension_of = [[0, -1]]
     }
     return std::log(sum / r);
   };
-  for (const double d : {0.5, 0.9}) {
+  for (const double d : {0.5, 1.1}) {
     const Scene scene =
         read(text, {fmt::format("molecule.chain.bonds.1.2={}", d), "run.metric_correction=true"});
     const Means found = means_of(scene);
@@ -470,6 +470,25 @@ log_every = 10
   EXPECT_EQ(rows[1][1], "0-1");
   EXPECT_LT(words.find("0-1"), words.find("2-3"));  // the largest first
   EXPECT_TRUE(fs::exists(measured + "/loads_in_time.csv"));
+  // A pendulum let go from the horizontal: 0 there, 3mg at its lowest.
+  const std::string swings = folder
+                                 .write("swings.toml", R"([build]
+kind = "atoms"
+atoms = [[0, 0, 0, 0], [1, 0, 0, 2]]
+bonds = [[0, 1, 1]]
+gravity_nm_ps2 = [0, -10, 0]
+[run]
+dt_fs = 1
+steps = 1000
+trajectory = "h5md"
+trajectory_every = 1
+)")
+                                 .string();
+  said("run " + swings + " --quiet --out " + out + "2");
+  const json load = json::parse(said("measure --tensions --json " + out + "2"))["tensions"][0];
+  EXPECT_NEAR(load["least_kj_mol_nm"], 0, 1e-3);
+  EXPECT_NEAR(load["most_kj_mol_nm"], 60, 1e-3);
+  EXPECT_NEAR(load["largest_at_ps"], 0.5863, 2e-3);  // a quarter of 1.18034·2π√(L/g)
   EXPECT_THAT(said("measure --tensions " + out + " " + out, 2), HasSubstr("--join"));
 }
 

@@ -103,7 +103,8 @@ AnchorMotion read_motion(const TomlTable& keys, Scene& scene) {
       kDegree *
       read_direction(keys, "turn_deg_ps",
                      {"turns by so much about the axis along this vector, by the right hand", "°/ps"});
-  keys.read("about_nm", motion.about, {"a point on the axis of turn_deg_ps", "nm"});
+  std::optional<Vec3> about;
+  keys.read("about_nm", about, {"a point on the axis of turn_deg_ps", "nm"});
   motion.shake = read_direction(keys, "shake_nm", {"swings: this vector times sin(2πt/period_ps)", "nm"});
   std::optional<double> period;
   keys.read("period_ps", period, {"period of shake_nm", "ps", kPositive});
@@ -119,9 +120,10 @@ AnchorMotion read_motion(const TomlTable& keys, Scene& scene) {
     said = key;
   }
   if (!said) keys.fail("atoms", "expected velocity_nm_ps, turn_deg_ps, shake_nm or way_nm beside it");
-  if (keys.has("turn_deg_ps") && !keys.has("about_nm"))
+  if (keys.has("turn_deg_ps") && !about)
     keys.fail("turn_deg_ps", "expected about_nm, a point on the axis, beside it");
-  if (keys.has("shake_nm") && !keys.has("period_ps")) keys.fail("shake_nm", "expected period_ps beside it");
+  if (keys.has("shake_nm") && !period) keys.fail("shake_nm", "expected period_ps beside it");
+  motion.about = about.value_or(Vec3::Zero());
   if (period) motion.shake_rate = 2 * std::numbers::pi / *period;
   return motion;
 }
