@@ -369,11 +369,11 @@ Scene ring_around_the_box(int anchor, const std::string& motion) {
 
 // A bond through the box pulls at an anchor as others do.
 TEST(MovingAnchors, OfARingAroundTheBoxAreAllAlike) {
-  const char* shaken = "shake_nm=[0, 0.1, 0], period_ps=0.5";
+  const char* shaken = "shake_nm=[0.1, 0.1, 0], period_ps=0.5";
   Simulation at_the_edge(ring_around_the_box(0, shaken)), within(ring_around_the_box(4, shaken));
   const std::vector<Record> edge = rows_of(at_the_edge), middle = rows_of(within);
   for (std::size_t n = 0; n < edge.size(); ++n) {
-    EXPECT_NEAR(edge[n].but_for_heat(), edge[0].but_for_heat(), 0.01) << edge[n].t;
+    EXPECT_NEAR(edge[n].but_for_heat(), edge[0].but_for_heat(), 0.03) << edge[n].t;
     EXPECT_NEAR(*edge[n].steering_work, *middle[n].steering_work, 1e-6) << edge[n].t;
     EXPECT_NEAR(edge[n].motions.at(0), middle[n].motions.at(0), 1e-5) << edge[n].t;
   }
