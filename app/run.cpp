@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <iostream>
 #include <memory>
@@ -22,6 +23,7 @@
 #include "simulation/open_run.hpp"
 #include "simulation/recorded_run.hpp"
 #include "stop_request.hpp"
+#include "systems/molecules/whole_molecules.hpp"
 
 namespace taut {
 namespace {
@@ -239,10 +241,27 @@ OpenRun open_begun_run(RunRequest request) {
   return run;
 }
 
+// A net of many rings fills as it is eliminated: work and memory grow as the square of its bonds, before the first step.
+void say_if_start_is_slow(const Scene& scene) {
+  constexpr int kManyRings = 2000;  // seconds, and gigabytes
+  const System& sys = scene.system;
+  std::vector<BondedPair> pairs;
+  for (const RigidBond& bond : sys.bonds) pairs.push_back({bond.i, bond.j});
+  const std::vector<int> cluster = molecules(sys.atoms(), pairs);
+  const int clusters = cluster.empty() ? 0 : std::ranges::max(cluster) + 1;
+  const int rings = sys.bond_count() - sys.atoms() + clusters;
+  if (rings < kManyRings) return;
+  say("  {} rigid bonds close {} rings: to find how to solve for all at once may take minutes and "
+      "gigabytes\n",
+      sys.bond_count(), rings);
+}
+
 void run_scene(const RunArguments& arguments) {
   if (arguments.plot && !arguments.out)
     throw InputError("--plot: there is no folder to draw in; give --out DIR");
-  OpenRun run = arguments.go_on ? open_begun_run(arguments.request()) : open_run(arguments.request());
+  RunRequest request = arguments.request();
+  say_if_start_is_slow(*request.scene);
+  OpenRun run = arguments.go_on ? open_begun_run(std::move(request)) : open_run(std::move(request));
   if (run.finished) return print_finished(run, *arguments.out);
   std::optional<MeasuredFrames> measured;
   if (arguments.measure) measured.emplace(run.simulation->scene(), std::vector<std::string>{});
