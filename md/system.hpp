@@ -28,7 +28,7 @@ struct OneSidedBond : RigidBond {
 // How far the molecule of an atom reaches through the periodic box. A cluster is what rigid bonds and virtual sites
 // tie together.
 enum class Reach : std::int8_t {
-  kWhole,     // its atoms are beside each other, as bonds have them
+  kWhole,     // not to an image of its own: x_j − x_i of its atoms is as it stands, without the box
   kMolecule,  // it is bonded to its own image: what acts between its clusters is of nearest images
   kCluster    // so is the atom's cluster: its rigid bonds are of nearest images, too
 };
@@ -41,7 +41,9 @@ struct System {
   std::vector<OneSidedBond> one_sided;
   VirtualSites sites;        // in the order of their atoms
   std::vector<Reach> reach;  // of each atom; empty: all are whole
-  Box images;                // of rigid bonds, where a cluster meets its own image; it keeps its size
+  // The box that nearest images of rigid bonds are taken in, where a cluster meets its own image, else none. It is the start's:
+  // make_barostat() and Python's box refuse to change State::box beside it.
+  Box images;
 
   Reach reach_of(int a) const { return reach.empty() ? Reach::kWhole : reach[a]; }
   // x_j − x_i
