@@ -105,7 +105,7 @@ molecule = "chain"
 count = 1
 [run]
 dt_fs = 5
-steps = 60000
+steps = 100000
 log_every = 10
 temperature_k = 300
 thermostat = "langevin"
