@@ -99,6 +99,10 @@ template <class R, class C = std::less<>, class P = std::identity>
 auto max(R&& r, C c = {}, P p = {}) {
   return *std::max_element(std::begin(r), std::end(r), of(c, p));
 }
+template <class R, class C = std::less<>, class P = std::identity>
+auto min(R&& r, C c = {}, P p = {}) {
+  return *std::min_element(std::begin(r), std::end(r), of(c, p));
+}
 template <class T>
 struct min_max_result {
   T min, max;
