@@ -241,26 +241,28 @@ OpenRun open_begun_run(RunRequest request) {
   return run;
 }
 
-// A net of many rings fills as it is eliminated: work and memory grow as the square of its bonds, before the first step.
-void say_if_start_is_slow(const Scene& scene) {
+// A net of many rings in one cluster fills as it is eliminated, before the first step: in work and memory.
+void say_if_start_is_slow(const System& sys) {
   constexpr int kManyRings = 2000;  // seconds, and gigabytes
-  const System& sys = scene.system;
   std::vector<BondedPair> pairs;
   for (const RigidBond& bond : sys.bonds) pairs.push_back({bond.i, bond.j});
   const std::vector<int> cluster = molecules(sys.atoms(), pairs);
-  const int clusters = cluster.empty() ? 0 : std::ranges::max(cluster) + 1;
-  const int rings = sys.bond_count() - sys.atoms() + clusters;
-  if (rings < kManyRings) return;
-  say("  {} rigid bonds close {} rings: to find how to solve for all at once may take minutes and "
+  std::vector<int> rings(cluster.size(), 1);  // of each cluster: bonds − atoms + 1
+  for (const int of : cluster) --rings[of];
+  for (const RigidBond& bond : sys.bonds) ++rings[cluster[bond.i]];
+  const int most = rings.empty() ? 0 : std::ranges::max(rings);
+  if (most < kManyRings) return;
+  say("  one cluster of rigid bonds closes {} rings: to find how to solve for all at once may take minutes "
+      "and "
       "gigabytes\n",
-      sys.bond_count(), rings);
+      most);
 }
 
 void run_scene(const RunArguments& arguments) {
   if (arguments.plot && !arguments.out)
     throw InputError("--plot: there is no folder to draw in; give --out DIR");
   RunRequest request = arguments.request();
-  say_if_start_is_slow(*request.scene);
+  say_if_start_is_slow(request.scene->system);
   OpenRun run = arguments.go_on ? open_begun_run(std::move(request)) : open_run(std::move(request));
   if (run.finished) return print_finished(run, *arguments.out);
   std::optional<MeasuredFrames> measured;

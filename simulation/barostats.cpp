@@ -39,10 +39,8 @@ std::vector<int> moved_together(const Scene& scene) {
   if (sys.images.periodic())
     throw InputError(
         fmt::format("run.barostat: atom {} is of a cluster of rigid bonds that goes around the box to its "
-                    "own image, so that no "
-                    "change of the box keeps its bonds; take run.barostat = \"none\" and measure the "
-                    "pressure at several boxes, or "
-                    "make the bonds through the box springs",
+                    "own image, so that no change of the box keeps its bonds; take run.barostat = \"none\" "
+                    "and measure the pressure at several boxes, or make the bonds through the box springs",
                     std::ranges::find(sys.reach, Reach::kCluster) - sys.reach.begin()));
   const std::vector<int> cluster = molecules(sys, {});
   if (scene.run.barostat == "c-rescale") return cluster;

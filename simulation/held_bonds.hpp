@@ -11,10 +11,10 @@ namespace taut {
 // system in which r is free is
 //     P(d) ∝ exp(−A/kT)⟨w⟩,   dA/dd = −⟨τ⟩,   w = √μ,   1/μ = det A/(d² det A_o) = 1/(d²(A⁻¹)_kk),
 // where τ is the tension, the averages are of the held system, A = J M⁻¹Jᵀ of σ = ½(r² − d²) is of all bonds and A_o of
-// all others: μ is the mass that moves along r while the others hold (Fixman 1974, doi:10.1073/pnas.71.8.3050; Sprik and Ciccotti 1998,
-// doi:10.1063/1.477419; den Otter and Briels 1998, doi:10.1063/1.477019). Under the metric correction, which takes √det A
-// out, w = d. Of several bonds, which are held at one d together, this is each one's P(d) only where they do not act on
-// each other.
+// all others: μ is the mass that moves along r while the others hold (Fixman 1974, doi:10.1073/pnas.71.8.3050; Sprik
+// and Ciccotti 1998, doi:10.1063/1.477419; den Otter and Briels 1998, doi:10.1063/1.477019). Under the metric correction,
+// which takes √det A out, w = d. Of several bonds, which are held at one d together, this is each one's P(d) only where
+// they do not act on each other.
 class HeldBonds {
  public:
   // full: with the bonds that sys lacks because they follow from others.

@@ -222,6 +222,24 @@ TEST(Manners, RunsSayHowManyThreadsHaveWork) {
   EXPECT_THAT(said("run water --set build.molecules=1000 --steps 0"), Not(HasSubstr("busy"))) << "by default";
 }
 
+// A ladder of 2000 squares is one cluster; the triangles of as many waters are one each.
+TEST(Manners, ManyRingsOfOneClusterAreToldBeforeTheStart) {
+  std::string atoms, bonds;
+  for (int k = 0; k <= 2000; ++k) {
+    atoms += fmt::format("[{}, 0, 0, 1], [{}, 1, 0, 1], ", k, k);
+    bonds += fmt::format("[{}, {}, 1], ", 2 * k, 2 * k + 1);
+    if (k > 0) bonds += fmt::format("[{}, {}, 1], [{}, {}, 1], ", 2 * k - 2, 2 * k, 2 * k - 1, 2 * k + 1);
+  }
+  const TemporaryFolder folder;
+  const std::string scene =
+      folder
+          .write("ladder.toml",
+                 fmt::format("[build]\nkind = \"atoms\"\natoms = [{}]\nbonds = [{}]\n", atoms, bonds))
+          .string();
+  EXPECT_THAT(said("run " + scene + " --steps 0"), HasSubstr("one cluster of rigid bonds closes 2000 rings"));
+  EXPECT_THAT(said("run water --set build.molecules=2100 --steps 0"), Not(HasSubstr("rings")));
+}
+
 // How many threads compute unless a run says so itself: the first number of OMP_NUM_THREADS, and what is none
 // is refused.
 TEST(Manners, OmpNumThreadsIsRead) {
