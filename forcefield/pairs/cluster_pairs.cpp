@@ -101,7 +101,7 @@ class EngineIn final : public ClusterPairs::Engine {
   }
 
  private:
-  static constexpr int kRowAtoms = PairPrecision<T>::kRowAtoms;
+  const int row_atoms_ = row_atoms<T>();
 
   SixSums over_lists(const auto& sum) {
     parts_.resize(threads_);
@@ -195,7 +195,7 @@ class EngineIn final : public ClusterPairs::Engine {
   }
 
   void fill_inner_lists() {
-    const Pruning pruning{listed_, kind_, p_.law.cutoff, kRowAtoms, moved_, farthest_ + buffer_lost_,
+    const Pruning pruning{listed_, kind_, p_.law.cutoff, row_atoms_, moved_, farthest_ + buffer_lost_,
                           p_.outer};
     in_parallel(threads_, [&](int t) {
       inner_[t].rows.clear();
@@ -324,7 +324,7 @@ class EngineIn final : public ClusterPairs::Engine {
   std::vector<ClusterList> outer_, inner_;  // by thread, as what follows
   std::vector<double> of_share_;
   std::vector<ClusterSearch> search_;
-  SearchSpace space_{clusters_, exclusions_, kind_, searched_, p_.law.cutoff, p_.outer, p_.core, kRowAtoms};
+  SearchSpace space_{clusters_, exclusions_, kind_, searched_, p_.law.cutoff, p_.outer, p_.core, row_atoms_};
   RowShares shares_;  // of the outer list, which make the inner one
   ThreadForces<T> force_;
   std::vector<SixSums> parts_;

@@ -52,7 +52,8 @@ void find_candidates(const ClusterBounds& all, const Seekers& seekers, std::vect
 struct Seeker {
   std::array<float, 3 * kClusterAtoms> x;  // periodic shift included [nm]
   int row_atoms;
-  float core2;  // each of its rows has an atom this near to a cluster of the core [nm²]
+  float
+      core2;  // the cluster, or each half of it where rows are shorter, has an atom this near to a cluster of the core [nm²]
   std::array<float, kShells> shell2;   // the shells' ends [nm²]
   const MaskedCluster *exclude, *end;  // clusters with exclusion masks
 };

@@ -91,7 +91,7 @@ class PackedPairs {
     int pair = 0, tile = 0;
     for (int p = 0; p < packed_rows_; ++p) {
       const PairRow& row = *packed_[p].row;
-      VX own[3][1];
+      VX own[3];
       load_row<T>(x, inv_unit, row, own);
       typename LawInLanes<T, choice>::Atoms atoms;
       law.load(row.first, atoms);
@@ -111,7 +111,7 @@ class PackedPairs {
         for (int k = 0; k < 3; ++k) hn::Store(f[k], d, of + k * S::kLanes);
         pair += std::popcount(unsigned{within_[tile]});
       }
-      for (int k = 0; k < 3; ++k) row_.own_f_[k][0] = own_f[k];
+      for (int k = 0; k < 3; ++k) row_.own_f_[k] = own_f[k];
       row_.store(row);
     }
     packed_rows_ = tiles_ = pairs_ = 0;
@@ -126,7 +126,7 @@ class PackedPairs {
     const D d;
     const V cutoff2 = cutoff2_;
     const auto* x = row_.x_of_;
-    VX own[3][1];
+    VX own[3];
     load_row<T>(x, row_.inv_unit_, row, own);
     int pairs = pairs_, tiles = tiles_;
     const auto add = [&](int cluster, unsigned counted) HWY_ATTR {
@@ -152,10 +152,10 @@ class PackedPairs {
     return end;
   }
 
-  static HWY_INLINE void subtract(const VX (&own)[3][1], const auto* x, std::ptrdiff_t cluster, V (&r)[3]) {
+  static HWY_INLINE void subtract(const VX (&own)[3], const auto* x, std::ptrdiff_t cluster, V (&r)[3]) {
     const typename S::DX d;
     for (int k = 0; k < 3; ++k)
-      r[k] = RowSum<T, choice>::number(own[k][0] - load_columns(d, x + entry(4 * cluster, k)));
+      r[k] = RowSum<T, choice>::number(own[k] - load_columns(d, x + entry(4 * cluster, k)));
   }
 
   // Coulomb's part takes the place of the squared distances.

@@ -23,6 +23,7 @@ HWY_INLINE int* store_those(D d, V indices, unsigned bits, int* out) {
 // once.
 class InRange {
   using S = Shape<float>;
+  static constexpr int kVectors = kClusterAtoms / S::kRows;  // of a cluster
 
  public:
   // x: RoundedPositions of all clusters; range: a range made safe for them, without margins [nm].
@@ -31,7 +32,7 @@ class InRange {
 
   HWY_INLINE void take(int cluster, const Vec3& shift) {
     const S::D d;
-    for (int v = 0; v < S::kVectors; ++v) {
+    for (int v = 0; v < kVectors; ++v) {
       const float* x = x_ + entry(4 * std::ptrdiff_t{cluster}, 0, 4) + v * S::kRows;
       for (int k = 0; k < 3; ++k) own_[k][v] = load_rows(d, x + 4 * k) + static_cast<float>(shift[k]);
       own_range_[v] = load_rows(d, x + 12) + range_;
@@ -46,7 +47,7 @@ class InRange {
       const float* x = x_ + entry(4 * std::ptrdiff_t{other}, 0, 4) + part * S::kColumns;
       const auto xj = load_columns(d, x), yj = load_columns(d, x + 4), zj = load_columns(d, x + 8);
       const auto margin = load_columns(d, x + 12);
-      for (int v = 0; v < S::kVectors; ++v) {
+      for (int v = 0; v < kVectors; ++v) {
         const S::V r[3] = {own_[0][v] - xj, own_[1][v] - yj, own_[2][v] - zj};
         const auto range = own_range_[v] + margin;
         std::uint64_t found = 0;
@@ -57,7 +58,7 @@ class InRange {
     return bits;
   }
 
-  // Stores the clusters that hold a pair in range of the i-cluster (kParts = 1) or of each half of it (2)
+  // Stores the clusters that hold a pair in range of the i-cluster (kParts = 1), of each half (2) or atom (4) of it
   // from end[] on, and moves end[] behind them.
   template <int kParts>
   HWY_INLINE void choose(const int* clusters, int count, int* (&end)[kParts]) const {
@@ -85,7 +86,7 @@ class InRange {
  private:
   const float* x_;
   S::V range_;
-  S::V own_[3][S::kVectors], own_range_[S::kVectors];
+  S::V own_[3][kVectors], own_range_[kVectors];
 };
 
 }  // namespace taut::HWY_NAMESPACE

@@ -26,8 +26,7 @@ class RowSum {
   using DX = typename S::DX;
   using VX = typename S::VX;
   using Law = LawInLanes<T, choice>;
-  static constexpr int kVectors = S::kVectors, kParts = S::kParts, kLanes = S::kLanes;
-  static constexpr int kPlaces = kVectors * kParts;  // vectors a cluster
+  static constexpr int kParts = S::kParts, kLanes = S::kLanes;
 
  public:
   HWY_INLINE RowSum(const PairLaw& law, const PairAtoms<T>& atoms, T* f)
@@ -50,7 +49,12 @@ class RowSum {
     const int* clusters = list.clusters.data();
     int k = row.begin;
     if constexpr (kStaged) {
-      if (k < row.end) meet_staged(clusters + k, clusters + row.end);
+      if (k == row.end) {
+      } else if (law_.screened()) {
+        meet_staged(clusters + k, clusters + row.end, true);
+      } else {
+        meet_staged(clusters + k, clusters + row.end, false);
+      }
     } else {
       for (; k < row.end; ++k) meet(clusters[k]);
     }
@@ -72,49 +76,59 @@ class RowSum {
   HWY_INLINE void load(const PairRow& row) {
     const D d;
     load_row<T>(x_of_, inv_unit_, row, x_);
-    for (int v = 0; v < kVectors; ++v) {
-      law_.load(row.first + v * S::kRows, atoms_[v]);
-      for (int k = 0; k < 3; ++k) own_f_[k][v] = hn::Zero(d);
-    }
+    law_.load(row.first, atoms_);
+    for (V& own : own_f_) own = hn::Zero(d);
   }
 
   // The row against a cluster: separations with the guess the law starts from, then the law, then forces or
   // sums.
   struct Distances {
-    V r[kPlaces][3], r2[kPlaces][1], guess[kPlaces][1];
+    std::ptrdiff_t slot = 0;  // the cluster's first
+    V r[kParts][3], r2[kParts][1], guess[kParts][1];
   };
   struct LawValues {
-    V of[kPlaces][1];
+    V of[kParts][1];
   };
 
   // What comes of a cluster waits for its distances longer than the processor can look ahead: so those of the
-  // next one are found before and, where registers hold so much, inverses between.
+  // next one are found before and, where registers (32 in AVX-512, 16 in AVX2) hold so much, inverses between.
   static constexpr bool kStaged = !choice.sums() && kLanes > 1 && !choice.fine;
-  static constexpr int kAhead = kPlaces == 1 ? 2 : 1;  // clusters
-  HWY_INLINE void meet_staged(const int* cluster, const int* end) {
-    Distances at, next, last;
+  static constexpr int kAhead = HWY_TARGET <= HWY_AVX3 ? 2 : 1;  // clusters
+  HWY_INLINE void meet_staged(const int* cluster, const int* end, const bool screened) {
+    Distances at, next;
     measure(*cluster, at);
     if constexpr (kAhead == 2) {
       invert(at);
       if (cluster + 1 < end) measure(cluster[1], next);
+      for (; cluster + 2 < end; ++cluster) {
+        Distances last;
+        measure(cluster[2], last);
+        invert(next);
+        finish(at, screened);
+        at = next;
+        next = last;
+      }
+    } else {
+      for (; cluster + 2 < end; cluster += 2) {  // by twos, so that nothing moves from register to register
+        measure(cluster[1], next);
+        invert(at);
+        finish(at, screened);
+        measure(cluster[2], at);
+        invert(next);
+        finish(next, screened);
+      }
+      if (cluster + 1 < end) measure(cluster[1], next);
+      invert(at);
     }
-    for (; cluster + kAhead < end; ++cluster) {
-      measure(cluster[kAhead], last);
-      invert(kAhead == 2 ? next : at);
-      finish(*cluster, at);
-      at = kAhead == 2 ? next : last;
-      next = last;
-    }
-    if constexpr (kAhead == 1) invert(at);
-    finish(*cluster, at);
-    if (kAhead == 1 || ++cluster == end) return;
+    finish(at, screened);
+    if (cluster + 1 == end) return;
     invert(next);
-    finish(*cluster, next);
+    finish(next, screened);
   }
-  HWY_INLINE void finish(int cluster, Distances& at) {
+  HWY_INLINE void finish(Distances& at, bool screened) {
     LawValues terms;
-    apply_law(cluster, at, terms);
-    add_forces(cluster, at, terms);
+    apply_law(at, screened, terms);
+    add_forces(at, terms);
   }
 
   HWY_INLINE void meet(int cluster) {
@@ -122,14 +136,14 @@ class RowSum {
     LawValues terms;
     measure(cluster, at);
     invert(at);
-    apply_law(cluster, at, terms);
-    for (int place = 0; place < kPlaces; ++place) {
-      V& term = terms.of[place][0];
-      term = hn::IfThenElseZero(counted(mask_, place % kVectors, place / kVectors), term);
+    apply_law(at, law_.screened(), terms);
+    for (int part = 0; part < kParts; ++part) {
+      V& term = terms.of[part][0];
+      term = hn::IfThenElseZero(counted(part), term);
       if constexpr (choice.energy()) sum_[0] += term;
-      if constexpr (choice.virial()) add_virial(at.r[place], term);
+      if constexpr (choice.virial()) add_virial(at.r[part], term);
     }
-    if constexpr (!choice.sums()) add_forces(cluster, at, terms);
+    if constexpr (!choice.sums()) add_forces(at, terms);
   }
 
   HWY_INLINE void add_virial(const V (&r)[3], V term) {
@@ -141,47 +155,41 @@ class RowSum {
     sum_[5] += r[1] * f[2];
   }
 
-  HWY_INLINE void subtract(std::ptrdiff_t cluster, int place, V (&r)[3]) const {
-    const DX d;
-    const int v = place % kVectors, part = place / kVectors;
-    const auto* x = x_of_ + entry(4 * cluster, 0) + part * S::kColumns;
-    for (int k = 0; k < 3; ++k) r[k] = number(x_[k][v] - load_columns(d, x + 4 * k));
-  }
-
   HWY_INLINE void measure(int cluster, Distances& out) const {
-    for (int place = 0; place < kPlaces; ++place) {
-      V(&r)[3] = out.r[place];
-      subtract(cluster, place, r);
+    const DX d;
+    out.slot = 4 * std::ptrdiff_t{cluster};
+    for (int part = 0; part < kParts; ++part) {
+      V(&r)[3] = out.r[part];
+      const auto* x = x_of_ + 3 * out.slot + part * S::kColumns;
+      for (int k = 0; k < 3; ++k) r[k] = number(load_columns(d, x + 4 * k) - x_[k]);
       V r2 = square(r);
       if constexpr (sizeof(T) == 4) r2 *= unit2_;
-      out.r2[place][0] = r2;
-      out.guess[place][0] = Law::guess(r2);
+      out.r2[part][0] = r2;
+      out.guess[part][0] = Law::guess(r2);
     }
   }
 
   HWY_INLINE void invert(Distances& at) const {
-    for (int place = 0; place < kPlaces; ++place) Law::template invert<1>(at.r2[place], at.guess[place]);
+    for (int part = 0; part < kParts; ++part) Law::template invert<1>(at.r2[part], at.guess[part]);
   }
 
-  HWY_INLINE void apply_law(std::ptrdiff_t cluster, Distances& at, LawValues& out) const {
-    for (int place = 0; place < kPlaces; ++place) {
-      const int v = place % kVectors, part = place / kVectors;
-      const V(&r2)[1] = at.r2[place];
-      V(&term)[1] = out.of[place];
-      law_.template pairs<1>(atoms_[v], {4 * cluster + part * S::kColumns}, r2, at.guess[place], term);
+  HWY_INLINE void apply_law(Distances& at, bool screened, LawValues& out) const {
+    for (int part = 0; part < kParts; ++part) {
+      const V(&r2)[1] = at.r2[part];
+      V(&term)[1] = out.of[part];
+      law_.template pairs<1>(atoms_, {at.slot + part * S::kColumns}, r2, at.guess[part], screened, term);
       term[0] = hn::IfThenZeroElse(r2[0] > cutoff2_, term[0]);  // NaN must show
     }
   }
 
-  HWY_INLINE void add_forces(std::ptrdiff_t cluster, const Distances& at, const LawValues& terms) {
+  HWY_INLINE void add_forces(const Distances& at, const LawValues& terms) {
     const D d;
-    for (int place = 0; place < kPlaces; ++place) {
-      const int v = place % kVectors, part = place / kVectors;
-      const V(&r)[3] = at.r[place];
-      const V term = terms.of[place][0];
-      T* f = f_ + (3 * cluster * kParts + part) * kLanes;
-      for (int i = 0; i < 3; ++i) own_f_[i][v] += term * r[i];
-      for (int i = 0; i < 3; ++i, f += kParts * kLanes) hn::Store(hn::Load(d, f) - term * r[i], d, f);
+    for (int part = 0; part < kParts; ++part) {
+      const V(&r)[3] = at.r[part];
+      const V term = terms.of[part][0];
+      T* f = f_ + 3 * S::kRows * at.slot + part * kLanes;
+      for (int i = 0; i < 3; ++i) own_f_[i] -= term * r[i];
+      for (int i = 0; i < 3; ++i, f += kParts * kLanes) hn::Store(hn::Load(d, f) + term * r[i], d, f);
     }
   }
 
@@ -192,10 +200,10 @@ class RowSum {
       return difference;
   }
 
-  // Bits 4i + j of the row's atoms i in vector v and of the cluster's part.
-  static HWY_INLINE auto counted(std::uint32_t mask, int v, int part) {
+  // Bits 4i + j of the row's atoms i and of the cluster's part.
+  HWY_INLINE auto counted(int part) const {
     std::uint8_t bytes[8] = {};
-    std::uint32_t bits = mask >> (4 * v * S::kRows);
+    std::uint32_t bits = mask_;
     if constexpr (S::kColumns < 4) bits = (bits >> (part * S::kColumns)) & ((1u << S::kColumns) - 1);
     bytes[0] = static_cast<std::uint8_t>(bits);
     bytes[1] = static_cast<std::uint8_t>(bits >> 8);
@@ -211,16 +219,13 @@ class RowSum {
       for (int i = 0; i < S::kRows; ++i) bits |= std::uint64_t{1} << i * (S::kColumns + 1);
       return bits;
     }();
-    const int cluster = row.first / kClusterAtoms;
-    for (int v = 0; v < kVectors; ++v) {
-      const int at = row.first % kClusterAtoms + v * S::kRows;
-      const std::uint64_t bits = diagonal << at % S::kColumns;
-      const auto own = hn::LoadMaskBits(d, reinterpret_cast<const std::uint8_t*>(&bits));
-      T* f = f_ + (3 * cluster * kParts + at / S::kColumns % kParts) * kLanes;
-      for (int k = 0; k < 3; ++k) {
-        hn::Store(hn::Load(d, f) + hn::IfThenElseZero(own, sum_columns(d, own_f_[k][v])), d, f);
-        f += kParts * kLanes;
-      }
+    const int cluster = row.first / kClusterAtoms, at = row.first % kClusterAtoms;
+    const std::uint64_t bits = diagonal << at % S::kColumns;
+    const auto own = hn::LoadMaskBits(d, reinterpret_cast<const std::uint8_t*>(&bits));
+    T* f = f_ + (3 * cluster * kParts + at / S::kColumns % kParts) * kLanes;
+    for (int k = 0; k < 3; ++k) {
+      hn::Store(hn::Load(d, f) + hn::IfThenElseZero(own, sum_columns(d, own_f_[k])), d, f);
+      f += kParts * kLanes;
     }
   }
 
@@ -233,9 +238,9 @@ class RowSum {
   V sum_[kSums];
   SixSums total_{};
   std::uint32_t mask_ = 0;  // of pairs that count
-  VX x_[3][kVectors];
-  V own_f_[3][kVectors];
-  typename Law::Atoms atoms_[kVectors];
+  VX x_[3];
+  V own_f_[3];
+  typename Law::Atoms atoms_;
 };
 
 // Some rows of a pair list, and the law of their pairs.
@@ -340,7 +345,7 @@ double energy(const PairLaw& law, const PairAtoms<Real>& atoms, const ClusterLis
 SixSums virial(const PairLaw& law, const PairAtoms<Real>& atoms, const ClusterList& list) {
   return sum_all<Real>(Ask::kVirial, law, atoms, list, nullptr);
 }
-int copies(const Real*) {
+int rows(const Real*) {
   return Shape<Real>::kRows;
 }
 ScreeningFit fit(const Real*) {
@@ -358,12 +363,12 @@ using Real = TAUT_PAIR_REAL;
 HWY_EXPORT(forces);
 HWY_EXPORT(energy);
 HWY_EXPORT(virial);
-HWY_EXPORT(copies);
+HWY_EXPORT(rows);
 HWY_EXPORT(fit);
 
 template <>
-int force_copies<Real>() {
-  return HWY_DYNAMIC_DISPATCH(copies)(nullptr);
+int row_atoms<Real>() {
+  return HWY_DYNAMIC_DISPATCH(rows)(nullptr);
 }
 template <>
 ScreeningFit screening_fit<Real>() {

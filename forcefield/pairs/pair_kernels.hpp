@@ -52,13 +52,11 @@ struct PairPrecision;
 template <>
 struct PairPrecision<double> {
   using Coordinate = double;
-  static constexpr int kRowAtoms = 2;
   static Coordinate coordinate(double u) { return u; }
 };
 template <>
 struct PairPrecision<float> {
   using Coordinate = std::int32_t;
-  static constexpr int kRowAtoms = 4;
   // The nearest whole number, for |u| < 2⁵¹, modulo 2³²: the sum has it in its low bits.
   static constexpr double kWholeInLowBits = 6755399441055744.0;
   static Coordinate coordinate(double u) {
@@ -78,16 +76,16 @@ struct PairAtoms {
   double unit = 1;                                   // of x [nm]; 1 in double
 };
 
-// How many copies of a cluster's forces the kernels keep: a vector holds the four atoms once or more, and
-// each lane adds to a force of its own.
+// How many atoms a row has on this machine: 1, 2 or 4, as often as a vector holds a cluster's four atoms. The kernels keep
+// as many copies of a cluster's forces, since each lane adds to a force of its own.
 template <class T>
-int force_copies();
+int row_atoms();
 
 // The form of PairLaw::screening that this machine's kernels use.
 template <class T>
 ScreeningFit screening_fit();
 
-// Adds the forces of a list's pairs to f [kJ/mol/nm/unit·nm]: 12·force_copies() a cluster, x of all copies,
+// Adds the forces of a list's pairs to f [kJ/mol/nm/unit·nm]: 12·row_atoms() a cluster, x of all copies,
 // y, z, copy by copy.
 template <class T>
 void add_pair_forces(const PairLaw& law, const PairAtoms<T>& atoms, const ClusterList& list, T* f);

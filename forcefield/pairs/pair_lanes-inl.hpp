@@ -16,20 +16,19 @@ namespace taut::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// A vector holds kRows atoms of a row by kColumns of a cluster: 2 × 4 doubles or 4 × 4 floats in AVX-512,
-// 1 × 4 doubles or 2 × 4 floats in AVX2, 1 × 2 doubles or 1 × 4 floats in SSE2.
+// A vector holds the kRows atoms of a row by kColumns of a cluster: 2 × 4 doubles or 4 × 4 floats in AVX-512,
+// 1 × 4 doubles or 2 × 4 floats in AVX2, 1 × 2 doubles or 1 × 4 floats in NEON. The fewer atoms a row has, the fewer of
+// the pairs with its clusters are beyond the cutoff, and the more of what it needs stays in registers.
 template <class T>
 struct Shape {
-  static constexpr int kRowAtoms = PairPrecision<T>::kRowAtoms;
-  using D = hn::CappedTag<T, 4 * kRowAtoms>;
+  using D = hn::CappedTag<T, 64 / sizeof(T)>;
   using V = hn::Vec<D>;
   using Coordinate = typename PairPrecision<T>::Coordinate;
   using DX = hn::Rebind<Coordinate, D>;
   using VX = hn::Vec<DX>;
   static constexpr int kLanes = static_cast<int>(hn::MaxLanes(D()));
   static constexpr int kColumns = std::min(kLanes, 4), kRows = kLanes / kColumns;
-  static constexpr int kVectors = kRowAtoms / kRows;  // of a row
-  static constexpr int kParts = 4 / kColumns;         // of a cluster
+  static constexpr int kParts = 4 / kColumns;  // of a cluster
 };
 
 // Loads four numbers of a cluster (or as many as fit), repeated for each of the vector's rows.
@@ -65,15 +64,15 @@ HWY_INLINE hn::Vec<DT> load_rows(DT d, const hn::TFromD<DT>* p) {
   return v;
 }
 
-// The positions of a row's atoms, moved by its shift.
+// The positions of a row's atoms, moved by its shift [unit].
 template <class T, class S = Shape<T>>
 HWY_INLINE void load_row(const typename S::Coordinate* x, double inv_unit, const PairRow& row,
-                         typename S::VX (&out)[3][S::kVectors]) {
+                         typename S::VX (&out)[3]) {
   const typename S::DX d;
   x += entry(row.first, 0);
   for (int k = 0; k < 3; ++k) {
     const auto shift = PairPrecision<T>::coordinate(row.shift[k] * inv_unit);
-    for (int v = 0; v < S::kVectors; ++v) out[k][v] = load_rows(d, x + 4 * k + v * S::kRows) + shift;
+    out[k] = load_rows(d, x + 4 * k) + shift;
   }
 }
 

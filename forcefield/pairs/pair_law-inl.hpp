@@ -87,6 +87,9 @@ class LawInLanes {
     }
   }
 
+  // Whether charges act by Ewald's real space.
+  HWY_INLINE bool screened() const { return choice.charge && screen_.wanted(); }
+
   // What pairs() starts from.
   static HWY_INLINE V guess(V r2) {
     return choice.from_root() || choice.from_cube() ? guess_inverse_sqrt(D(), r2) : guess_inverse(D(), r2);
@@ -108,9 +111,9 @@ class LawInLanes {
   // −(dE/dr)/r [kJ/mol/nm²], or E [kJ/mol], of a row's vector with K clusters' atoms from slots j on.
   template <int K>
   HWY_INLINE void pairs(const Atoms& atoms, const std::ptrdiff_t (&j)[K], const V (&r2)[K], V (&guess)[K],
-                        V (&term)[K]) const {
+                        bool screened, V (&term)[K]) const {
     V coulomb[K];
-    find_coulomb<K>(r2, guess, coulomb);
+    find_coulomb<K>(r2, guess, screened, coulomb);
     for (int k = 0; k < K; ++k) {
       if constexpr (choice.lj) term[k] = lennard_jones(atoms, column(j[k]), r2[k], guess[k]);
       if constexpr (choice.charge) {
@@ -126,7 +129,7 @@ class LawInLanes {
     V inverse[K];
     for (int k = 0; k < K; ++k) inverse[k] = guess(r2[k]);
     invert<K>(r2, inverse);
-    find_coulomb<K>(r2, inverse, coulomb);
+    find_coulomb<K>(r2, inverse, screened(), coulomb);
     if constexpr (choice.lj) {
       Atoms atoms{};
       atoms.eps = set(1);
@@ -153,14 +156,14 @@ class LawInLanes {
 
   // Of unit charges.
   template <int K>
-  HWY_INLINE void find_coulomb(const V (&r2)[K], const V (&guess)[K], V (&coulomb)[K]) const {
+  HWY_INLINE void find_coulomb(const V (&r2)[K], const V (&guess)[K], bool screened, V (&coulomb)[K]) const {
     V inv_r3[K];
     for (int k = 0; k < K; ++k) {
       if constexpr (choice.from_cube()) inv_r3[k] = guess[k];
       if constexpr (choice.from_root()) inv_r3[k] = guess[k] * (guess[k] * guess[k]);
     }
     if constexpr (choice.charge) {
-      if (screen_.wanted()) {
+      if (screened) {
         screen_(r2, coulomb);
         for (int k = 0; k < K; ++k) coulomb[k] = (choice.energy() ? guess[k] : inv_r3[k]) - coulomb[k];
       } else {

@@ -76,8 +76,9 @@ HWY_INLINE void prune_in_parts(const Pruning& how, const ClusterList& list, RowR
 }
 
 void prune_rows(const Pruning& how, const ClusterList& list, RowRange range, ClusterList& pruned) {
-  how.row_atoms == kClusterAtoms ? prune_in_parts<1>(how, list, range, pruned)
-                                 : prune_in_parts<2>(how, list, range, pruned);
+  how.row_atoms == 4   ? prune_in_parts<1>(how, list, range, pruned)
+  : how.row_atoms == 2 ? prune_in_parts<2>(how, list, range, pruned)
+                       : prune_in_parts<4>(how, list, range, pruned);
 }
 
 }  // namespace taut::HWY_NAMESPACE

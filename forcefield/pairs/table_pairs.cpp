@@ -37,8 +37,9 @@ template <class T, class Act>
 void for_each_pair(const PairTables& tables, const PairAtoms<T>& atoms, const ClusterList& list,
                    const Act& act) {
   using Coordinate = typename PairPrecision<T>::Coordinate;
+  const int atoms_of_row = row_atoms<T>();
   for (const PairRow& row : list.rows)
-    for (int i = 0; i < PairPrecision<T>::kRowAtoms; ++i) {
+    for (int i = 0; i < atoms_of_row; ++i) {
       const int one = row.first + i, kind = static_cast<int>(atoms.type[one]);
       if (kind == tables.kinds - 1) continue;
       Coordinate x[3];
@@ -88,7 +89,7 @@ PairTables tables_by_kinds(const TabulatedPairs& pairs) {
 template <class T>
 void add_table_forces(const PairTables& tables, const PairAtoms<T>& atoms, const AtomClusters& clusters,
                       const ClusterList& list, T* f) {
-  const int copies = force_copies<T>();  // the first one takes all
+  const int copies = row_atoms<T>();  // the first one takes all
   for_each_pair(tables, atoms, list, [&](const Pair& pair) {
     const Vec3 force = pull(pair, clusters) * pair.d;
     for (int d = 0; d < 3; ++d) {

@@ -53,7 +53,7 @@ class ThreadForces {
   bool alone() const { return all_.force.size() == 1; }  // one thread touches all blocks
   T* of(int t, int cluster) { return all_.force[t].data() + std::size_t(numbers_) * cluster; }
 
-  const int numbers_ = 3 * kClusterAtoms * force_copies<T>();  // of a cluster
+  const int numbers_ = 3 * kClusterAtoms * row_atoms<T>();  // of a cluster
   int clusters_ = 0;
   SlotForces<T> all_;
 };
