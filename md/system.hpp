@@ -33,6 +33,11 @@ enum class Reach : std::int8_t {
   kCluster    // so is the atom's cluster: its rigid bonds are of nearest images, too
 };
 
+// x_j − x_i of neighbours in a molecule that reaches so far, from what it is as it stands.
+inline Vec3 within_molecule(Reach reach, const Box& box, const Vec3& r) {
+  return reach == Reach::kWhole ? r : box.nearest_image(r);
+}
+
 // What does not change during a run. make_system builds it.
 struct System {
   Eigen::VectorXd mass;          // [u], n; 0 for an anchored atom, and for a virtual site
@@ -46,15 +51,11 @@ struct System {
   Box images;
 
   Reach reach_of(int a) const { return reach.empty() ? Reach::kWhole : reach[a]; }
-  // x_j − x_i
-  Vec3 along(const RigidBond& bond, const Vectors& x) const {
-    const Vec3 r = x.col(bond.j) - x.col(bond.i);
-    return images.periodic() && reach[bond.i] == Reach::kCluster ? images.nearest_image(r) : r;
-  }
+  // x_j − x_i of a rigid bond
+  Vec3 along(const RigidBond& bond, const Vectors& x) const { return apart(images, bond.i, bond.j, x); }
   // x_j − x_i of neighbours in a molecule
   Vec3 apart(const Box& box, int i, int j, const Vectors& x) const {
-    const Vec3 r = x.col(j) - x.col(i);
-    return reach_of(i) == Reach::kWhole ? r : box.nearest_image(r);
+    return within_molecule(reach_of(i), box, x.col(j) - x.col(i));
   }
   int atoms() const { return static_cast<int>(mass.size()); }
   int bond_count() const { return static_cast<int>(bonds.size()); }

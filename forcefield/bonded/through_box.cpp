@@ -65,22 +65,20 @@ BondedForces::KindEnergies BondedThroughBox::evaluate(const Box& box, const Vect
   try {
     return forces_.add_forces(x_, f_);
   } catch (const SimulationFailure&) {
-    throw_with_own_numbers(box, x);
+    throw_with_own_numbers(x);
     throw;
   }
 }
 
-// Throws what BondedForces throws of a term whose atoms have their own numbers: term by term, each on atoms moved to where it
-// has them. Correction maps and exceptions have a value at any place.
-void BondedThroughBox::throw_with_own_numbers(const Box& box, const Vectors& x) const {
+// Throws what BondedForces throws of a term whose atoms have their own numbers: term by term, each on atoms moved to where its
+// copies are. Correction maps and exceptions have a value at any place.
+void BondedThroughBox::throw_with_own_numbers(const Vectors& x) const {
   Vectors f = Vectors::Zero(3, x.cols());
+  Eigen::Index copy = 0;
   for_each_list([&](auto list) {
     for (const auto& term : own_.*list) {
       Vectors placed = x;
-      const auto atoms = atoms_of(term);
-      for (std::size_t a = 1; a < atoms.size(); ++a)
-        placed.col(atoms[a]) =
-            placed.col(atoms[a - 1]) + box.nearest_image(x.col(atoms[a]) - x.col(atoms[a - 1]));
+      for (const int atom : atoms_of(term)) placed.col(atom) = x_.col(copy++);
       Terms one;
       (one.*list).push_back(term);
       BondedForces(one, {}).add_forces(placed, f);

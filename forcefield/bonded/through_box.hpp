@@ -31,7 +31,7 @@ class BondedThroughBox {
     int before;  // the atom before it in its term; −1: none
   };
   BondedForces::KindEnergies evaluate(const Box& box, const Vectors& x);
-  void throw_with_own_numbers(const Box& box, const Vectors& x) const;
+  void throw_with_own_numbers(const Vectors& x) const;
 
   Terms own_;  // by the atoms' own numbers
   std::vector<Copy> copies_;

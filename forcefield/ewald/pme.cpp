@@ -72,7 +72,7 @@ Pme::ExcludedSums Pme::over_some(std::span<const Excluded> excluded, const Vecto
   Vec3 r[kScreenedPairs];
   for (std::size_t k = 0; k < excluded.size(); ++k) {
     r[k] = x.col(excluded[k].i) - x.col(excluded[k].j);
-    if (!reach_.empty() && reach_[excluded[k].i] != Reach::kWhole) r[k] = box_.nearest_image(r[k]);
+    if (!reach_.empty()) r[k] = within_molecule(reach_[excluded[k].i], box_, r[k]);
     pairs.r2[k] = r[k].squaredNorm();
   }
   std::fill(pairs.r2 + excluded.size(), std::end(pairs.r2), 0.0);
