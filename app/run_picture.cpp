@@ -80,12 +80,12 @@ std::string coarse_line(const std::vector<double>& y, std::size_t width) {
 void print_lines(const std::vector<Curve>& curves) {
   std::string panel;
   std::size_t longest = 0;
-  for (const Curve& c : curves) longest = std::max<std::size_t>(longest, columns_of(c.name));
+  for (const Curve& c : curves) longest = std::max<std::size_t>(longest, width_of(c.name));
   for (const Curve& c : curves) {
     if (c.panel != panel) say("{}\n", c.panel);
     panel = c.panel;
     const auto [low, high] = std::ranges::minmax(c.y);
-    say("  {}{}  {}  {:.5g} to {:.5g}\n", c.name, std::string(longest - columns_of(c.name), ' '),
+    say("  {}{}  {}  {:.5g} to {:.5g}\n", c.name, std::string(longest - width_of(c.name), ' '),
         coarse_line(c.y, 50), low, high);
   }
 }

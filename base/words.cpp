@@ -6,7 +6,7 @@
 
 namespace taut {
 
-int columns_of(const std::string& text) {
+int width_of(const std::string& text) {
   return static_cast<int>(
       std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
 }
@@ -22,7 +22,7 @@ std::string wrapped(const std::string& text, int width, int indent) {
   std::string lines, word;
   int column = indent;
   while (words >> word) {
-    const int wide = columns_of(word);
+    const int wide = width_of(word);
     if (column > indent && column + 1 + wide > width) {
       lines.append(1, '\n').append(static_cast<std::size_t>(indent), ' ');
       column = indent;
@@ -40,14 +40,14 @@ std::string table_text(const std::vector<std::vector<std::string>>& rows, int wi
   std::vector<int> wide;
   for (const auto& row : rows) {
     wide.resize(std::max(wide.size(), row.size()));
-    for (std::size_t k = 0; k < row.size(); ++k) wide[k] = std::max(wide[k], columns_of(row[k]));
+    for (std::size_t k = 0; k < row.size(); ++k) wide[k] = std::max(wide[k], width_of(row[k]));
   }
   std::string text;
   for (const auto& row : rows) {
     std::string line;
     int column = 0;
     for (std::size_t k = 0; k + 1 < row.size(); ++k) {
-      line += row[k] + std::string(static_cast<std::size_t>(wide[k] - columns_of(row[k]) + 2), ' ');
+      line += row[k] + std::string(static_cast<std::size_t>(wide[k] - width_of(row[k]) + 2), ' ');
       column += wide[k] + 2;
     }
     if (!row.empty()) line += wrapped(row.back(), std::max(width, column + 30), column);

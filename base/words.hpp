@@ -14,7 +14,7 @@ inline std::string counted(long n, const char* one) {
   return fmt::format("{} {}{}", n, one, n == 1 ? "" : "s");
 }
 
-int columns_of(const std::string& text);  // width on a terminal, for UTF-8 without wide characters
+int width_of(const std::string& text);  // width on a terminal, for UTF-8 without wide characters
 
 // Wraps text to lines of at most so many columns, indented from the second line on.
 std::string wrapped(const std::string& text, int width, int indent);

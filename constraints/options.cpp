@@ -8,7 +8,7 @@
 namespace taut {
 namespace {
 
-std::optional<double> number(const Option& option) {
+std::optional<double> number_of(const Option& option) {
   if (auto* const* real = std::get_if<double*>(&option.field)) return **real;
   if (auto* const* count = std::get_if<int*>(&option.field)) return **count;
   if (auto* const* either = std::get_if<std::optional<double>*>(&option.field)) return **either;
@@ -20,7 +20,7 @@ std::optional<double> number(const Option& option) {
 std::string Option::value() const {
   if (auto* const* flag = std::get_if<bool*>(&field)) return **flag ? "true" : "false";
   if (auto* const* text = std::get_if<std::string*>(&field)) return fmt::format("\"{}\"", **text);
-  const auto given = number(*this);
+  const auto given = number_of(*this);
   return given ? fmt::format("{:g}", *given) : "not set";
 }
 
@@ -34,9 +34,9 @@ std::string Option::in_words() const {
   return fmt::format("{} = {}: {}{}{}", key, value(), meaning, unit, is.empty() ? "" : " (" + is + ")");
 }
 
-void check(const std::vector<Option>& options) {
+void check_options(const std::vector<Option>& options) {
   for (const Option& option : options) {
-    const auto given = number(option);
+    const auto given = number_of(option);
     const auto& [unit, range, counts, words] = option.about;
     if (!words.empty())
       expect_name(fmt::format("method.{}", option.key), **std::get_if<std::string*>(&option.field), words);

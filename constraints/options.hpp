@@ -40,6 +40,6 @@ inline constexpr Range kTolerances{.min = 1e-15, .max = 0.1};
 
 // Throws InputError for the first number out of its range and for an unknown word; options without effect are
 // skipped.
-void check(const std::vector<Option>& options);
+void check_options(const std::vector<Option>& options);
 
 }  // namespace taut

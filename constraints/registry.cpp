@@ -154,7 +154,7 @@ std::unique_ptr<ConstraintMethod> MethodOptions::make(MethodEntry::Factory facto
                                                       double h) const {
   if (!(h > 0)) throw InputError(fmt::format("a step of {} ps, expected more than 0", h));
   std::any values = values_;
-  check(method_->describe(values));
+  check_options(method_->describe(values));
   refuse_one_sided(sys);
   return factory(sys, values_, h);
 }

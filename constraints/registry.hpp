@@ -49,7 +49,7 @@ class MethodOptions {
   MethodOptions() : MethodOptions(methods().front()) {}
   explicit MethodOptions(const MethodEntry& method) : method_(&method), values_(method.defaults) {}
   template <class Options>
-  requires requires(Options options) { check(options.describe()); }
+  requires requires(Options options) { check_options(options.describe()); }
   MethodOptions(Options options) : method_(&method_with(typeid(Options))), values_(std::move(options)) {}
 
   const MethodEntry& method() const { return *method_; }

@@ -59,7 +59,7 @@ class Reader {
     given_.method = default_options(method);
     options_ = given_.method.describe();
     while (at_ < words_.size()) keyword();
-    check(options_);
+    check_options(options_);
     const auto& [bonds, angles, types, masses] = given_.held;
     if (bonds.empty() && types.empty() && masses.empty())
       throw InputError("no bonds are named: expected b TYPES, t TYPES or m MASSES");

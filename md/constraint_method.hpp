@@ -26,8 +26,8 @@ struct Push {
   bool starts() const { return kick < h; }
   double last_h() const {
     return 2 * kick - h;
-  }                                          // length of the step that ended at x: h, 0 at the start [ps]
-  double drift() const { return h * kick; }  // x_next = x + h v + drift M⁻¹(f + noise) [ps²]
+  }                                           // length of the step that ended at x: h, 0 at the start [ps]
+  double h_kick() const { return h * kick; }  // x_next = x + h v + h_kick M⁻¹(f + noise) [ps²]
   Vec3 force(const Vectors& f, int atom) const {  // f + noise on an atom [kJ/mol/nm]
     return noise ? Vec3(f.col(atom) + noise->col(atom)) : Vec3(f.col(atom));
   }

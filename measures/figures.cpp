@@ -29,11 +29,11 @@ std::string with_error(const Estimate& e) {
 std::string figures_table(const std::vector<Figure>& figures) {
   std::size_t width = 0;
   for (const Figure& figure : figures)
-    width = std::max(width, static_cast<std::size_t>(columns_of(figure.words)));
+    width = std::max(width, static_cast<std::size_t>(width_of(figure.words)));
   std::string text;
   for (const Figure& figure : figures)
     text += fmt::format("  {}{}  {}{}{}\n", figure.words,
-                        std::string(width - static_cast<std::size_t>(columns_of(figure.words)), ' '),
+                        std::string(width - static_cast<std::size_t>(width_of(figure.words)), ' '),
                         with_error(figure.value), figure.unit.empty() ? "" : " ", figure.unit);
   return text;
 }

@@ -45,7 +45,7 @@ class UpdateOfEngine final : public Bath {
 
 }  // namespace
 
-void check(const HoldSettings& settings) {
+void check_settings(const HoldSettings& settings) {
   if (!(settings.h > 0) || !std::isfinite(settings.h))
     throw InputError(fmt::format("a step of {} ps, expected more than 0", settings.h));
   if (!(settings.friction >= 0) || !std::isfinite(settings.friction))
@@ -61,7 +61,7 @@ void check(const HoldSettings& settings) {
 void set_tolerance(HoldSettings& settings, double tolerance) {
   HoldSettings changed = settings;
   changed.options["tolerance"] = fmt::format("{}", tolerance);
-  check(changed);
+  check_settings(changed);
   settings = changed;
 }
 

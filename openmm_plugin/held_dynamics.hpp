@@ -27,7 +27,7 @@ struct HoldSettings {
 };
 
 // Throws InputError for an unknown method or option and for a value out of range.
-void check(const HoldSettings& settings);
+void check_settings(const HoldSettings& settings);
 // Sets the method's option `tolerance`. Throws InputError if the method has none.
 void set_tolerance(HoldSettings& settings, double tolerance);
 // Returns the method's `tolerance`, or 1e-5 if it has none.

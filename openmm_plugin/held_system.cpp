@@ -55,7 +55,7 @@ MethodOptions method_of(const HoldSettings& settings) {
     }
     set(*found, word);
   }
-  check(method.describe());
+  check_options(method.describe());
   return method;
 }
 

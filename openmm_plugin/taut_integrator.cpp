@@ -76,7 +76,7 @@ HeldBonds held_bonds(const OpenMM::System& system, const HoldSettings& settings)
 }
 
 TautIntegrator::TautIntegrator(const HoldSettings& settings) {
-  in_openmm_words([&] { check(settings); });
+  in_openmm_words([&] { check_settings(settings); });
   settings_ = settings;
   Integrator::setStepSize(settings.h);
 }
@@ -123,7 +123,7 @@ std::vector<std::string> TautIntegrator::getKernelNames() {
 }
 
 void TautIntegrator::change(const HoldSettings& settings) {
-  in_openmm_words([&] { check(settings); });
+  in_openmm_words([&] { check_settings(settings); });
   settings_ = settings;
   if (context != nullptr) make_kernel();
 }
@@ -156,7 +156,7 @@ void TautIntegrator::set_bath(double temperature, double friction) {
   HoldSettings changed = settings_;
   changed.temperature = temperature;
   changed.friction = friction;
-  in_openmm_words([&] { check(changed); });
+  in_openmm_words([&] { check_settings(changed); });
   settings_ = changed;
   if (context != nullptr) of(kernel_).set_bath(temperature, friction);
 }

@@ -14,7 +14,7 @@
 #define TAUT_BAUMGARTE_STEP
 namespace taut {
 struct BaumgarteStep {
-  double h, drift;             // δ = h v + drift M⁻¹(f + noise)
+  double h, h_kick;            // δ = h v + h_kick M⁻¹(f + noise)
   double last, first, second;  // λ ← last·λ₁ + first·λ₂ + second·λ₃
   bool shift;                  // whether λ is extrapolated, and the previous one stored
   int max_solves;
@@ -69,18 +69,18 @@ struct Ahead {
   M sane;  // < 10³·|r₊·r|
 };
 
-// Computes r₊, b = −(σ₊ − τ)/drift and the diagonal of A'.
+// Computes r₊, b = −(σ₊ − τ)/h_kick and the diagonal of A'.
 template <class Shape>
 HWY_INLINE Ahead look_ahead(const Shape shape, const BaumgarteStep& step, const LaneLaw* laws,
                             const BaumgarteRows rows, const Equations& eq) {
-  const double h = step.h, drift = step.drift, scale = -0.5 / drift, turn = step.turn;
+  const double h = step.h, h_kick = step.h_kick, scale = -0.5 / h_kick, turn = step.turn;
   Ahead ahead{all_lanes(), all_lanes()};
   for (int k = 0; k < shape.solved(); ++k) {
     const LaneBond& bond = shape.bonds[k];
     const V3 r = load3(rows.r + 3 * k * kLanes);
     const V3 a = bond.inv_mass_j * load3(rows.f + shape.j(k)) - bond.inv_mass_i * load3(rows.f + shape.i(k));
     const V3 v = difference(shape, k, rows.v);
-    const V3 r_next = r + h * v + drift * a;
+    const V3 r_next = r + h * v + h_kick * a;
     store3(r_next, rows.r_next + 3 * k * kLanes);
     V off = twice_sigma(bond, r_next);  // 2(σ₊ − τ)
     off -= laws[k].of_sigma * load(rows.twice_sigma + k * kLanes);
@@ -97,8 +97,8 @@ HWY_INLINE Ahead look_ahead(const Shape shape, const BaumgarteStep& step, const 
 
 // λ += b, f += Jᵀb
 template <class Shape>
-HWY_INLINE void correct(const Shape shape, const double* change, const PastLambda past,
-                        const BaumgarteRows rows) {
+HWY_INLINE void apply_change(const Shape shape, const double* change, const PastLambda past,
+                             const BaumgarteRows rows) {
   for (int k = 0; k < shape.size(); ++k) {
     const V b = load(change + k * kLanes);
     store(load(past.lambda + k * kLanes) + b, past.lambda + k * kLanes);
@@ -177,7 +177,7 @@ struct BaumgarteKernel {
   }
   HWY_INLINE void back() { substitute_back(shape, eq.A.inv_d, eq.A.u, eq.b); }
   HWY_INLINE SolveNext apply(SolveNext last, int solves, SolveStats& stats) {
-    correct(shape, eq.b, past, rows);
+    apply_change(shape, eq.b, past, rows);
     if (last == SolveNext::kLastSolve) return SolveNext::kEnd;
     if (solves < step.max_solves) return look(stats);
     fail(part, eq.b, Failure::kNoConvergence, stats);
@@ -192,7 +192,7 @@ struct BaumgarteKernel {
   }
 };
 
-// The same for triangles, in differences between the atoms of a bond. δ = h v + drift M⁻¹f is put together
+// The same for triangles, in differences between the atoms of a bond. δ = h v + h_kick M⁻¹f is put together
 // where it lies in memory, and Jᵀλ added to f there.
 struct BaumgarteTriangle {
   const LaneBatch& lanes;
@@ -204,7 +204,7 @@ struct BaumgarteTriangle {
   bool near, regular;    // as in Ahead; false for NaN
 
   HWY_INLINE void solve() {
-    r_next = r_next + step.drift * Forces(change, r).accelerations(masses);
+    r_next = r_next + step.h_kick * Forces(change, r).accelerations(masses);
     const TriangleMatrix A(lanes, r_next, r);
     Three off = twice_sigma(lanes, r_next);
     M close = all_lanes();
@@ -212,7 +212,7 @@ struct BaumgarteTriangle {
     for (int k = 0; k < 3; ++k) {
       off.k[k] -= target.k[k];
       close = hn::And(close, hn::Abs(off.k[k]) <= 2 * step.turn * hn::Abs(A.along.k[k]));
-      b.k[k] = -0.5 / step.drift * off.k[k];
+      b.k[k] = -0.5 / step.h_kick * off.k[k];
     }
     near = hn::AllTrue(D(), close);
     regular = hn::AllTrue(D(), A.regular(lanes));
@@ -221,7 +221,7 @@ struct BaumgarteTriangle {
   }
 };
 
-HWY_INLINE bool solve_triangle(BaumgarteBatch& batch, const BaumgarteStep& step, const double* drift_by_mass,
+HWY_INLINE bool solve_triangle(BaumgarteBatch& batch, const BaumgarteStep& step, const double* h_kick_by_mass,
                                const Part& part, SolveStats& stats) {
   HWY_ALIGN double copies[4][9 * kWidth];
   const Nines nines(part);
@@ -238,14 +238,15 @@ HWY_INLINE bool solve_triangle(BaumgarteBatch& batch, const BaumgarteStep& step,
   for (int k = 0; k < 9; ++k) {
     velocity.n[k] = load_any(v + k * kWidth);
     delta.n[k] = hn::MulAdd(broadcast(step.h), velocity.n[k],
-                            load(drift_by_mass + k * kWidth) * load_any(f + k * kWidth));
+                            load(h_kick_by_mass + k * kWidth) * load_any(f + k * kWidth));
   }
   const Three before = twice_sigma(lanes, r - step.h * sides(rows_of(velocity)));
   Three target;
   for (int k = 0; k < 3; ++k)
     target.k[k] = hn::MulSub(broadcast(batch.laws[k].now), now.k[k], batch.laws[k].before * before.k[k]);
   if (noise)
-    for (int k = 0; k < 9; ++k) delta.n[k] += load(drift_by_mass + k * kWidth) * load_any(noise + k * kWidth);
+    for (int k = 0; k < 9; ++k)
+      delta.n[k] += load(h_kick_by_mass + k * kWidth) * load_any(noise + k * kWidth);
   const Three one = load_three(past.lambda), two = load_three(past.before),
               three = load_three(past.before_that);
   Three guess;
@@ -279,11 +280,11 @@ HWY_INLINE bool solve_triangle(BaumgarteBatch& batch, const BaumgarteStep& step,
 SolveStats baumgarte_groups(BaumgarteBatch& batch, const BaumgarteStep& step, const SolveCall& call,
                             int begin, int end, const Scratch& scratch) {
   if (batch.lanes.triangle && step.shift) {
-    HWY_ALIGN double drift_by_mass[9 * kWidth];
-    for (int n = 0; n < 9 * kWidth; ++n) drift_by_mass[n] = step.drift * batch.lanes.inv_mass[n % 9 / 3];
+    HWY_ALIGN double h_kick_by_mass[9 * kWidth];
+    for (int n = 0; n < 9 * kWidth; ++n) h_kick_by_mass[n] = step.h_kick * batch.lanes.inv_mass[n % 9 / 3];
     return solve_triangles<BaumgarteKernel>(batch, step, {begin, end, scratch},
                                             [&](const Part& part, SolveStats& stats) HWY_ATTR {
-                                              return solve_triangle(batch, step, drift_by_mass, part, stats);
+                                              return solve_triangle(batch, step, h_kick_by_mass, part, stats);
                                             });
   }
   return solve_groups<BaumgarteKernel>(batch, step, call, begin, end, scratch);
@@ -341,7 +342,7 @@ SolveStats Batched<Baumgarte>::solve(const Push& push, bool shift, State& s) {
   constexpr double kWeights[3][3] = {{1, 0, 0}, {2, -1, 0}, {3, -3, 1}};  // by order
   const auto& [last, first, second] = kWeights[std::clamp(known_ - 1, 0, options_.extrapolation)];
   const BaumgarteStep step{.h = push.h,
-                           .drift = push.drift(),
+                           .h_kick = push.h_kick(),
                            .last = last,
                            .first = first,
                            .second = second,

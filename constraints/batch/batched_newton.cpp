@@ -65,7 +65,7 @@ HWY_INLINE Worst find_sigma(const Shape shape, const double* x, double* b) {
 
 // x += M⁻¹J(x_old)ᵀb, g += b
 template <class Shape>
-HWY_INLINE void correct(const Shape shape, const double* change, const NewtonRows rows) {
+HWY_INLINE void apply_change(const Shape shape, const double* change, const NewtonRows rows) {
   for (int k = 0; k < shape.size(); ++k) {
     const V b = load(change + k * kLanes);
     store(load(rows.g + k * kLanes) + b, rows.g + k * kLanes);
@@ -129,7 +129,7 @@ struct NewtonKernel {
   }
   HWY_INLINE void back() { substitute_back(shape, eq.A.inv_d, eq.A.l, eq.b); }
   HWY_INLINE SolveNext apply(SolveNext, int solves, SolveStats& stats) {
-    correct(shape, eq.b, rows);
+    apply_change(shape, eq.b, rows);
     return look(solves, stats);
   }
   HWY_INLINE void end(SolveStats& stats) {

@@ -51,7 +51,7 @@ HWY_INLINE void keep_multipliers(const AnyShape shape, double lambda_of_g, const
   for (int k = 0; k < shape.size(); ++k) store(lambda_of_g * load(rows.g + k * kLanes), lambda + k * kLanes);
 }
 
-HWY_INLINE void correct(const AnyShape shape, int k, V dg, const SweepRows rows, double* y) {
+HWY_INLINE void correct_bond(const AnyShape shape, int k, V dg, const SweepRows rows, double* y) {
   store(load(rows.g + k * kLanes) + dg, rows.g + k * kLanes);
   add_constraint_acceleration(shape, k, dg, load3(rows.r + 3 * k * kLanes), y);
 }
@@ -73,7 +73,7 @@ struct SweepOfPositions {
       sound = hn::And(sound, margin > 0);
       store(margin, rows.margin + k * kLanes);
       const V dg = -0.5 * off / (bond.reduced_inv_mass * along);
-      correct(shape, k, hn::IfThenElseZero(wrong, dg), rows, rows.x);
+      correct_bond(shape, k, hn::IfThenElseZero(wrong, dg), rows, rows.x);
     }
     return sound;
   }
@@ -91,7 +91,7 @@ struct SweepOfVelocities {
       worst.include(error);
       store(error, rows.error + k * kLanes);
       const V dg = -(rate * load(rows.inv_a_kk + k * kLanes));
-      correct(shape, k, hn::IfThenElseZero(error > tolerance, dg), rows, rows.v);
+      correct_bond(shape, k, hn::IfThenElseZero(error > tolerance, dg), rows, rows.v);
     }
     return all_lanes();
   }

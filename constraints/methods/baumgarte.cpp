@@ -147,7 +147,7 @@ SolveStats Baumgarte::set_targets(const System& sys, const Push& push, const Sta
     const double sigma_now = sigma(r_.col(k), d);
     const double sigma_before = sigma(r_.col(k) - push.last_h() * v_half_.col(k), d);
     a_.col(k) = push.acceleration(sys, s.f, j) - push.acceleration(sys, s.f, i);
-    free_.col(k) = r_.col(k) + push.h * v_half_.col(k) + push.drift() * a_.col(k);
+    free_.col(k) = r_.col(k) + push.h * v_half_.col(k) + push.h_kick() * a_.col(k);
     now.see((side == 0 ? std::abs(sigma_now) : std::max(0.0, -side * sigma_now)) / (d * d), k);
     if (side == 0)
       target_[k] =
@@ -163,7 +163,7 @@ SolveStats Baumgarte::set_targets(const System& sys, const Push& push, const Sta
 double Baumgarte::miss(const System& sys, const Push& push, int k) {
   const auto& [i, j, d] = sys.bond(k);
   const Vec3 y_ij = y_.col(j) - y_.col(i);
-  r_next_.col(k) = free_.col(k) + push.drift() * y_ij;
+  r_next_.col(k) = free_.col(k) + push.h_kick() * y_ij;
   double miss = sigma(r_next_.col(k), d) - target_[k];
   if (sys.side(k) == 0 && !laws_[k].drive.none()) {
     const Vec3 v = v_half_.col(k), a = a_.col(k) + y_ij;  // at the start v is of the full step
@@ -181,7 +181,7 @@ SolveStats Baumgarte::solve(const System& sys, const Push& push, SolveStats stat
     Residual next;
     for (int k = 0; k < sys.bond_count(); ++k) {
       const double off = miss(sys, push, k);
-      b_[k] = -off / push.drift();
+      b_[k] = -off / push.h_kick();
       next.see(std::abs(off / r_next_.col(k).dot(r_.col(k))), k);
     }
     if (left_out && next.value <= options_.tolerance) {
@@ -254,7 +254,7 @@ SolveStats Baumgarte::solve_by_sweeps(const System& sys, const Push& push, Solve
       }
       if (side * off > 0 && lambda_[k] == 0) continue;  // slack
       const double along = r_next_.col(k).dot(r_.col(k));
-      const double lambda = lambda_[k] - off / (push.drift() * (w_i + w_j) * along);
+      const double lambda = lambda_[k] - off / (push.h_kick() * (w_i + w_j) * along);
       if (along <= 0 || !std::isfinite(lambda)) {
         stats.worst_bond = k;
         stats.failure = along <= 0 ? Failure::kTurned : Failure::kRanAway;

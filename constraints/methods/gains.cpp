@@ -41,7 +41,7 @@ DimensionlessGains named(const GainChoice& choice, Damping damping, double mu, d
   return {0, 0};
 }
 
-void check(const Gains& g, Damping damping, double h) {
+void check_gains(const Gains& g, Damping damping, double h) {
   const double limit = stability_limit(g.alpha * h, damping);
   if (!(g.alpha >= 0))
     throw InputError(fmt::format("method.alpha_per_ps: {} is negative, it would feed errors", g.alpha));
@@ -69,7 +69,7 @@ std::vector<Gains> choose_gains(const GainChoice& choice, Damping damping, const
   for (const auto& [i, j, d] : sys.bonds) {
     const auto [ah, bh] = named(choice, damping, 1 / (sys.inv_mass[i] + sys.inv_mass[j]), h);
     gains.push_back({choice.alpha_per_ps.value_or(ah / h), choice.beta_per_ps.value_or(bh / h)});
-    check(gains.back(), damping, h);
+    check_gains(gains.back(), damping, h);
   }
   return gains;
 }

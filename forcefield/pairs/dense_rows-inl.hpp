@@ -155,7 +155,7 @@ class PackedPairs {
   static HWY_INLINE void subtract(const VX (&own)[3], const auto* x, std::ptrdiff_t cluster, V (&r)[3]) {
     const typename S::DX d;
     for (int k = 0; k < 3; ++k)
-      r[k] = RowSum<T, choice>::number(own[k] - load_columns(d, x + entry(4 * cluster, k)));
+      r[k] = RowSum<T, choice>::as_real(own[k] - load_columns(d, x + entry(4 * cluster, k)));
   }
 
   // Coulomb's part takes the place of the squared distances.

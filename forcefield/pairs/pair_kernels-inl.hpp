@@ -161,7 +161,7 @@ class RowSum {
     for (int part = 0; part < kParts; ++part) {
       V(&r)[3] = out.r[part];
       const auto* x = x_of_ + 3 * out.slot + part * S::kColumns;
-      for (int k = 0; k < 3; ++k) r[k] = number(load_columns(d, x + 4 * k) - x_[k]);
+      for (int k = 0; k < 3; ++k) r[k] = as_real(load_columns(d, x + 4 * k) - x_[k]);
       V r2 = square(r);
       if constexpr (sizeof(T) == 4) r2 *= unit2_;
       out.r2[part][0] = r2;
@@ -193,7 +193,7 @@ class RowSum {
     }
   }
 
-  static HWY_INLINE V number(VX difference) {
+  static HWY_INLINE V as_real(VX difference) {
     if constexpr (sizeof(T) == 4)
       return hn::ConvertTo(D(), difference);
     else

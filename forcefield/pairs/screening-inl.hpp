@@ -70,19 +70,19 @@ class ScreenInLanes {
     for (int k = 0; k < K; ++k) {
       t[k] = find_interval(r2[k], interval[k]);
       t2[k] = t[k] * t[k];
-      out[k] = number(terms - 1, interval[k]);
-      next[k] = number(terms - 2, interval[k]);
+      out[k] = coefficient(terms - 1, interval[k]);
+      next[k] = coefficient(terms - 2, interval[k]);
     }
     for (int term = terms - 3; term > 0; term -= 2)
       for (int k = 0; k < K; ++k) {
-        out[k] = out[k] * t2[k] + number(term, interval[k]);
-        next[k] = next[k] * t2[k] + number(term - 1, interval[k]);
+        out[k] = out[k] * t2[k] + coefficient(term, interval[k]);
+        next[k] = next[k] * t2[k] + coefficient(term - 1, interval[k]);
       }
     for (int k = 0; k < K; ++k) {
       if (terms % 2 == 0)
         out[k] = out[k] * t[k] + next[k];
       else
-        out[k] = number(0, interval[k]) + next[k] * t[k] + out[k] * t2[k];
+        out[k] = coefficient(0, interval[k]) + next[k] * t[k] + out[k] * t2[k];
     }
   }
 
@@ -97,7 +97,7 @@ class ScreenInLanes {
   }
 
   // The coefficient of each lane's own interval.
-  HWY_INLINE V number(int term, [[maybe_unused]] const Interval& interval) const {
+  HWY_INLINE V coefficient(int term, [[maybe_unused]] const Interval& interval) const {
     const T* of_intervals = number_ + kIntervals * term;
 #if HWY_TARGET <= HWY_AVX3
     if constexpr (kIntervals == 8 && sizeof(T) == 8)

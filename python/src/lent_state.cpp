@@ -22,7 +22,7 @@ py::object keeping(const std::shared_ptr<Shown>& shown) {
 }
 
 // Returns what a stage assigned in place of an array, as 3 × n columns.
-Vectors columns_of(const py::object& given, const Lent& lent) {
+Vectors vectors_of(const py::object& given, const Lent& lent) {
   const Eigen::Index n = lent.numbers().cols();
   const auto rows = py::array_t<double, py::array::c_style>::ensure(given);
   if (!rows || rows.ndim() != 2 || rows.shape(0) != n || rows.shape(1) != 3)
@@ -99,7 +99,7 @@ void LentState::take_back() {
     const py::object given = object_.attr(attribute(all_[k]));
     const auto& view = all_[k].view();
     if (!given.is(view) || view.ndim() != 2 || view.shape(0) != all_[k].numbers().cols())
-      others[k] = columns_of(given, all_[k]);
+      others[k] = vectors_of(given, all_[k]);
   }
   for (std::size_t k = 0; k < all_.size(); ++k)
     if (others[k]) all_[k].numbers() = *others[k];

@@ -136,7 +136,7 @@ class ExpressionParser {
     bool minus = false;
     while (peek() == '-' || peek() == '+') minus ^= take() == '-';
     if (const auto after = text_; minus && std::isdigit(static_cast<unsigned char>(peek()))) {
-      Node value = number(-1);  // a name of its own
+      Node value = read_number(-1);  // a name of its own
       if (peek() != '^') return value;
       text_ = after;
     }
@@ -169,7 +169,7 @@ class ExpressionParser {
       return value;
     }
     const char c = peek();
-    if (std::isdigit(static_cast<unsigned char>(c)) || c == '.') return number();
+    if (std::isdigit(static_cast<unsigned char>(c)) || c == '.') return read_number();
     const std::string name = identifier();
     if (accept('(')) return call(name);
     if (const auto known = definitions_.find(name); known != definitions_.end()) return known->second;
@@ -182,7 +182,7 @@ class ExpressionParser {
     return value;
   }
 
-  Node number(int sign = 1) {
+  Node read_number(int sign = 1) {
     double value = 0;
     const auto [end, error] = std::from_chars(text_.data(), text_.data() + text_.size(), value);
     if (error != std::errc()) fail("a number");
