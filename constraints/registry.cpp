@@ -168,4 +168,8 @@ std::unique_ptr<ConstraintMethod> make_plain(const System& sys, const MethodOpti
   return options.make(options.method().make_plain, sys, h);
 }
 
+std::string_view usual_method(const System& sys) {
+  return sys.one_sided.empty() ? kUsualMethod : "rattle";
+}
+
 }  // namespace taut

@@ -31,7 +31,8 @@ const std::list<MethodEntry>& methods();
 // The default method. It solves RATTLE's equations directly, in a fraction of the time that sweeps take, and
 // holds nets of bonds on which sweeps do not converge.
 inline constexpr std::string_view kUsualMethod = "newton";
-inline constexpr std::string_view kUsualOneSidedMethod = "rattle";  // the default where bonds are one-sided
+// The default for a system: kUsualMethod, or where bonds are one-sided "rattle".
+std::string_view usual_method(const System& sys);
 
 // Adds a user's method to the list, so that its name is accepted wherever a method is named. It replaces an
 // added method of the same name, and throws InputError for the name of a built-in one. Call it before

@@ -64,7 +64,7 @@ struct Reference {
   Listen listen;
   std::optional<Vectors> x = {};
 
-  std::string method() const { return reference_method(scene.system); }
+  std::string method() const { return std::string(usual_method(scene.system)); }
   const Vectors& positions() {
     if (x) return *x;
     Scene fine = scene;

@@ -93,9 +93,10 @@ TrialPlan StabilityPlan::trial(long trial_steps) const {
 }
 
 std::vector<Job> plane_jobs(const StabilityPlan& plan) {
-  std::vector<Job> jobs = {
-      {kReference,
-       [&plan] { return over_the_plane(plan, setting_of(reference_method(plan.scenes[0].system))); }}};
+  std::vector<Job> jobs = {{kReference, [&plan] {
+                              return over_the_plane(
+                                  plan, setting_of(std::string(usual_method(plan.scenes[0].system))));
+                            }}};
   for (const Damping damping : kDampings)
     for (const double ah : plan.all_ah())
       for (const double bh : plan.all_bh())

@@ -62,10 +62,6 @@ Setting setting_of(const std::string& method) {
   return {method, "", "", overrides_of_method(method)};
 }
 
-std::string reference_method(const System& sys) {
-  return std::string(sys.one_sided.empty() ? "newton" : kUsualOneSidedMethod);
-}
-
 std::vector<Setting> settings_of(const std::string& method, double h, bool few) {
   if (method.find(':') != method.npos) return {setting_of(method)};
   std::vector<Setting> settings;

@@ -23,9 +23,6 @@ struct Setting {
 // A method with the settings that its word names, as it is.
 Setting setting_of(const std::string& method);
 
-// The method that others are judged by: newton, or rattle where bonds are one-sided.
-std::string reference_method(const System& sys);
-
 // The settings of a method worth a curve at a step h [ps]: whatever its Options have of tolerance, sweeps,
 // order, gains, ...; of a word that names settings itself, that alone. `few`: two or three points a curve.
 std::vector<Setting> settings_of(const std::string& method, double h, bool few);

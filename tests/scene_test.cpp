@@ -110,6 +110,13 @@ TEST(Scene, AnotherMethodSetsTheFilesKeysAside) {
 TEST(Scene, NamingTheFilesOwnMethodKeepsItsKeys) {
   const Scene scene = read(SceneText{}.text, {"method.name=\"baumgarte\""});
   EXPECT_EQ(scene.method.get_if<Baumgarte::Options>()->max_solves, 2);
+  const SceneText struts =
+      SceneText{}
+          .with("pulls =", "at_least = [[0, 2, 1]]\npulls =")
+          .with("name = \"baumgarte\"\nalpha_per_ps = 3.0\nmax_solves = 2", "sweeps = 4");
+  const Scene unnamed =
+      read(struts.text, {"method.name=rattle"});  // what one-sided bonds take unless they say another
+  EXPECT_EQ(unnamed.method.get_if<Rattle::Options>()->sweeps, 4);
 }
 
 TEST(Scene, OverridesOfASceneFromElsewhere) {

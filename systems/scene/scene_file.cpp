@@ -134,11 +134,11 @@ void refuse_new_names(const toml::table& base, const toml::table& overrides) {
   }
 }
 
-// The file's options of another method than the one that overrides name.
-void forget_other_method(toml::table& base, const toml::table& overrides) {
-  const auto name = overrides["method"]["name"].value<std::string>();
-  const std::string own = base["method"]["name"].value_or(std::string(kUsualMethod));
-  if (name && *name != own) base.erase("method");
+// Of [method], merged, the file's keys if its method was another than the one there is.
+void forget_other_method(toml::table* method, const std::string& of_file) {
+  if (!method || (*method)["name"].value_or(of_file) == of_file) return;
+  for (auto key = method->begin(); key != method->end();)
+    key = is_of_override(key->second) ? std::next(key) : method->erase(key);
 }
 
 // What the file says of its own start: another one, which an override names, keeps its velocities, and is relaxed only if
@@ -179,7 +179,7 @@ Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::tab
   for (const char* name : {"build", "forcefield", "run", "method"})
     TomlTable(base, file.string()).section(name);  // throws if it is no section
   refuse_new_names(base, overrides);
-  forget_other_method(base, overrides);
+  const auto named = base["method"]["name"].value<std::string>();
   const std::string set_aside = forget_own_start(base, overrides);
   overwrite(base, std::move(overrides));
   move_files(base, how.files);
@@ -195,10 +195,11 @@ Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::tab
   hear(how.listen);
   read_biases(root, scene);
   read_motions(root, scene);
-  const bool one_sided = !scene.system.one_sided.empty();
-  scene.method = default_options(one_sided ? kUsualOneSidedMethod : kUsualMethod);
+  const std::string usual(usual_method(scene.system));
+  scene.method = default_options(usual);
+  forget_other_method(base["method"].as_table(), named.value_or(usual));
   read_method(root, scene.method);
-  if (one_sided) refuse_for_one_sided(root, run_keys, scene);
+  if (!scene.system.one_sided.empty()) refuse_for_one_sided(root, run_keys, scene);
   for (const auto* name : file_names(base)) scene.files.push_back(path_of(*name));
   settle_pulls(run_keys, scene);
   settle_tensions(run_keys, scene);

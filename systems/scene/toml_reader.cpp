@@ -281,7 +281,7 @@ void TomlTable::require_effect(std::string_view key, bool read, std::string_view
 
 bool TomlTable::overridden(std::string_view key) const {
   const toml::node* node = find(key);
-  return node && node->source().path && node->source().path->starts_with(kOverride);
+  return node && is_of_override(*node);
 }
 
 void TomlTable::fail(std::string_view key, const std::string& message) const {
@@ -368,7 +368,7 @@ double TomlTable::check_range(std::string_view key, double value, Range range) c
 
 std::filesystem::path path_of(const toml::value<std::string>& name) {
   const auto& source = name.source().path;
-  const bool in_file = source && !source->starts_with(kOverride);
+  const bool in_file = source && !is_of_override(name);
   return (in_file ? std::filesystem::path(*source).parent_path() : std::filesystem::path()) / name.get();
 }
 

@@ -147,6 +147,9 @@ bool TomlTable::fetch(std::string_view key, Integer& into, const About& about) c
 
 // The prefix of an override in messages, in place of file and line.
 inline constexpr std::string_view kOverride = "--set ";
+inline bool is_of_override(const toml::node& node) {
+  return node.source().path && node.source().path->starts_with(kOverride);
+}
 
 std::string one_line(std::string_view text);     // control characters become spaces
 std::string value_text(const toml::node& node);  // as TOML text in one line
