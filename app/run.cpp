@@ -218,10 +218,12 @@ struct RunArguments : SceneArgument {
                        .folder = out.value_or(""),
                        .may_take_all_cores = true,
                        .names = option_names(out.value_or("")),
-                       .scene = read(),
                        .leave_finished = true};
-    if (out) request.source = source_of(*request.scene, !openmm.empty(), overrides());
-    request.usual = usual_settings(*request.scene);
+    request.scene = read(nullptr, {}, &request);
+    if (!out)
+      request.source = {};
+    else if (openmm.empty())
+      request.source = source_of(*request.scene, overrides());
     for (const auto& [key, value] : key_values(overrides())) request.usual.erase(key);
     return request;
   }

@@ -5,6 +5,7 @@
 
 #include "base/errors.hpp"
 #include "systems/openmm/import.hpp"
+#include "systems/openmm/xml.hpp"
 
 namespace taut {
 
@@ -19,37 +20,14 @@ CommandLine NamedScene::line(const char* subcommand) const {
   return line;
 }
 
-// True if the System has hydrogens, of up to 4 u, and a rigid bond holds each of them.
-static bool holds_hydrogens(const System& sys) {
-  std::vector<bool> held(sys.atoms());
-  for (const RigidBond& bond : sys.bonds) held[bond.i] = held[bond.j] = true;
-  bool any = false;
-  for (int atom = 0; atom < sys.atoms(); ++atom) {
-    if (sys.mass[atom] == 0 || sys.mass[atom] >= 4) continue;
-    if (!held[atom]) return false;
-    any = true;
-  }
-  return any;
-}
-
-// Mixed precision differs from double by 1e-6 of the forces and takes two thirds of the time (docs/running.md).
-// Where a rigid bond holds each hydrogen, 2 fs keep the energy (benchmarks/README.md).
-KeyValues NamedScene::usual_settings(const Scene& imported) const {
-  KeyValues usual;
-  if (!as_run || openmm.empty()) return usual;
-  if (imported.terms.nonbonded || imported.terms.wca) usual["forcefield.precision"] = "mixed";
-  if (holds_hydrogens(imported.system)) usual["run.dt_fs"] = "2";
-  return usual;
-}
-
-Scene NamedScene::read(const std::vector<std::string>& overrides, KeysRead* keys) const {
+Scene NamedScene::read(const std::vector<std::string>& overrides, KeysRead* keys, RunRequest* run) const {
   if (scene.empty() == openmm.empty()) throw InputError("expected a scene, or --openmm system.xml state.xml");
   if (openmm.empty()) return read_scene(find_scene(scene), overrides, {.keys = keys});
-  Scene imported = import_openmm(openmm[0], openmm[1]);
-  const KeyValues usual = usual_settings(imported);
-  if (usual.contains("forcefield.precision")) imported.terms.precision = Precision::kMixed;
-  if (usual.contains("run.dt_fs")) imported.run.dt_fs = 2;
+  const XmlFile system(openmm[0], "System"), state(openmm[1], "State");
+  Scene imported = import_openmm(system, state);
+  const KeyValues usual = as_run ? take_usual_settings(imported) : KeyValues();
   apply_overrides(imported, overrides, keys);
+  if (run) run->source = source_of(system, state, overrides), run->usual = usual;
   return imported;
 }
 
@@ -86,10 +64,10 @@ std::vector<std::string> SceneArgument::overrides() const {
   return collect_overrides(flags(), settings);
 }
 
-Scene SceneArgument::read(KeysRead* keys, std::vector<std::string> unless) const {
+Scene SceneArgument::read(KeysRead* keys, std::vector<std::string> unless, RunRequest* run) const {
   std::ranges::copy(overrides(), std::back_inserter(unless));
   try {
-    return NamedScene::read(unless, keys);
+    return NamedScene::read(unless, keys, run);
   } catch (const InputError& e) {
     std::string message = e.what();
     for (const KeyFlag& flag : flags()) message = flag.replace_by_flag(message);

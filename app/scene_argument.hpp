@@ -6,6 +6,7 @@
 
 #include "command_line.hpp"
 #include "commands.hpp"
+#include "simulation/open_run.hpp"
 #include "systems/scene/scene_file.hpp"
 #include "systems/scene/toml_reader.hpp"
 
@@ -18,11 +19,10 @@ struct NamedScene {
 
   void offer(const Subcommand& command);
   CommandLine line(const char* subcommand) const;  // the command line so far
-  // Throws InputError if both sources or neither were given.
-  Scene read(const std::vector<std::string>& overrides, KeysRead* keys = nullptr) const;
-  // What `taut run` takes for OpenMM's files, which say neither a precision nor a step, unless the user does.
-  bool as_run = false;
-  KeyValues usual_settings(const Scene& imported) const;
+  // Throws InputError if both sources or neither were given. `run` is told what it took of OpenMM's files.
+  Scene read(const std::vector<std::string>& overrides, KeysRead* keys = nullptr,
+             RunRequest* run = nullptr) const;
+  bool as_run = false;  // as `taut run` reads OpenMM's files: with take_usual_settings()
 };
 
 // A scene and the overrides of its keys.
@@ -38,7 +38,7 @@ struct SceneArgument : NamedScene {
   std::vector<KeyFlag> flags() const;
   std::vector<std::string> overrides() const;  // from flags and --set
   // `unless`: overrides that apply unless the user's replace them.
-  Scene read(KeysRead* keys = nullptr, std::vector<std::string> unless = {}) const;
+  Scene read(KeysRead* keys = nullptr, std::vector<std::string> unless = {}, RunRequest* run = nullptr) const;
 };
 
 }  // namespace taut

@@ -90,7 +90,7 @@ void refuse_another_study(const fs::path& folder, const std::string& line) {
 std::string study_line(const std::string& command, const std::vector<Scene>& scenes) {
   std::string texts;
   for (const Scene& scene : scenes)
-    for (const auto& [name, text] : source_of(scene, false, {}).files) texts += text;
+    for (const auto& [name, text] : source_of(scene, {}).files) texts += text;
   std::string line = fmt::format("{} # {:016x}", command, std::hash<std::string>{}(texts));
   std::ranges::replace(line, '\n', ' ');
   return line;

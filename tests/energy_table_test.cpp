@@ -81,7 +81,7 @@ TEST(EnergyTable, MakesBondsAndAnglesOfAScene) {
   EXPECT_NEAR(energy(moved, "tabulated_bond"), 5000 * 0.03 * 0.03, 1e-5);
   // made again from what was read, wherever it now is
   ASSERT_EQ(scene.files.size(), 3u);
-  EXPECT_EQ(source_of(scene, false, {}).read().start.x, scene.start.x);
+  EXPECT_EQ(source_of(scene, {}).read().start.x, scene.start.x);
   // rigid bonds may hold what a table bends
   const Scene held = files.read(
       SceneText{kScene}
@@ -211,7 +211,7 @@ TEST(EnergyTable, OfPairsTakesThePlaceOfLennardJones) {
   EXPECT_GT(expected, 10);
   EXPECT_NEAR(energy(scene, "tabulated_pairs"), expected, 1e-5 * expected);
   ASSERT_EQ(scene.files.size(), 2u);
-  EXPECT_EQ(source_of(scene, false, {}).read().start.x, scene.start.x);
+  EXPECT_EQ(source_of(scene, {}).read().start.x, scene.start.x);
   Simulation simulation{Scene(scene)};
   const double before = simulation.record().total();
   simulation.run([](const Record&) {});

@@ -75,7 +75,7 @@ class InAFolder : public testing::Test {
 using Listening_InAFolder = InAFolder;
 
 TEST_F(Listening_InAFolder, LeavesNoTemporaryFilesOfAScene) {
-  const SceneSource source = source_of(scene_of("water"), false, {});
+  const SceneSource source = source_of(scene_of("water"), {});
   ASSERT_EQ(source.files.size(), 2u);
   EXPECT_GT(count_stops([&](const Listen& listen) { (void)source.read(listen); }), 5);
   EXPECT_TRUE(fs::is_empty(folder_.path()));
@@ -100,7 +100,7 @@ TEST_F(Listening_InAFolder, LeavesTheRunThatItWouldGoOnWith) {
   const fs::path out = folder_.path() / "out";
   Scene scene = scene_of("water", {"run.steps=2"});
   RunRequest begin{.folder = out, .threads = 1};
-  begin.source = source_of(scene, false, {"run.steps=2"});
+  begin.source = source_of(scene, {"run.steps=2"});
   begin.scene = std::move(scene);
   {
     OpenRun run = open_run(std::move(begin));

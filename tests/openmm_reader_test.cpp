@@ -11,6 +11,7 @@
 #include "openmm_folder.hpp"
 #include "openmm_texts.hpp"
 #include "systems/openmm/import.hpp"
+#include "systems/openmm/xml.hpp"
 #include "systems/scene/scene_file.hpp"
 #include "systems/scene/scene_source.hpp"
 
@@ -135,10 +136,12 @@ TEST(OpenMMReader, ExpandsCompressedFiles) {
       std::system(fmt::format("cd {} && gzip -k *.xml && bzip2 -k *.xml", folder.path().string()).c_str()),
       0);
   for (const char* ending : {".gz", ".bz2"}) {
-    const Scene scene = import_openmm(system.string() + ending, state.string() + ending);
+    const XmlFile system_file(system.string() + ending, "System"),
+        state_file(state.string() + ending, "State");
+    const Scene scene = import_openmm(system_file, state_file);
     EXPECT_EQ(scene.start.x, plain.start.x);
     EXPECT_EQ(scene.name, "it's a");
-    const SceneSource source = source_of(scene, true, {});
+    const SceneSource source = source_of(system_file, state_file, {});
     EXPECT_EQ(source.files[0].text, texts.system);
     EXPECT_EQ(source.read().start.x, plain.start.x);
     const auto cut =

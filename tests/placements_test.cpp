@@ -93,7 +93,7 @@ file = "two.gro"
 
   // Made again from what was read, wherever it now is.
   ASSERT_EQ(scene.files.size(), 2u);
-  EXPECT_EQ(source_of(scene, false, {}).read().start.x, scene.start.x);
+  EXPECT_EQ(source_of(scene, {}).read().start.x, scene.start.x);
 
   // A box that is not reduced is, and the run's notes say so.
   folder.write("two.gro", with(two_molecules, "   2.0   2.0   2.0", " 2 2 2 0 0 -2 0 0 1"));

@@ -48,7 +48,7 @@ Course in_one_go(const std::string& scene, const Overrides& overrides) {
 }
 
 std::string checkpoint_of(Simulation& simulation, const Overrides& overrides) {
-  return to_bytes({source_of(simulation.scene(), false, overrides),
+  return to_bytes({source_of(simulation.scene(), overrides),
                    simulation.step(),
                    simulation.state().t,
                    1,

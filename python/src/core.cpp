@@ -57,14 +57,14 @@ Input of_toml(const std::string& text, const std::vector<std::string>& overrides
               {}};
   std::vector<std::filesystem::path> files{std::move(input.scene.files)};
   input.scene.files.assign(files.begin() + 1, files.end());
-  input.source = source_of(input.scene, false, overrides);
+  input.source = source_of(input.scene, overrides);
   input.source.files.insert(input.source.files.begin(), {name.string(), text});
   return input;
 }
 
 Input of_scene(const std::string& name_or_path, const std::vector<std::string>& overrides) {
-  Input input{read_scene(find_scene(name_or_path), overrides, {.listen = Listening()}), {}};
-  input.source = source_of(input.scene, false, overrides);
+  Input input{read_scene(find_scene(name_or_path), overrides), {}};
+  input.source = source_of(input.scene, overrides);
   return input;
 }
 

@@ -336,6 +336,33 @@ Scene import_openmm(const XmlFile& system, const XmlFile& state) {
   return scene;
 }
 
+namespace {
+
+// True if the System has hydrogens, of up to 4 u, and a rigid bond holds each of them.
+bool holds_hydrogens(const System& sys) {
+  std::vector<bool> held(sys.atoms());
+  for (const RigidBond& bond : sys.bonds) held[bond.i] = held[bond.j] = true;
+  bool any = false;
+  for (int atom = 0; atom < sys.atoms(); ++atom) {
+    if (sys.mass[atom] == 0 || sys.mass[atom] >= 4) continue;
+    if (!held[atom]) return false;
+    any = true;
+  }
+  return any;
+}
+
+}  // namespace
+
+// Mixed precision differs from double by 1e-6 of the forces and takes two thirds of the time (docs/running.md).
+// Where a rigid bond holds each hydrogen, 2 fs keep the energy (benchmarks/README.md).
+std::map<std::string, std::string> take_usual_settings(Scene& imported) {
+  std::map<std::string, std::string> taken;
+  if (imported.terms.nonbonded || imported.terms.wca)
+    imported.terms.precision = Precision::kMixed, taken["forcefield.precision"] = "mixed";
+  if (holds_hydrogens(imported.system)) imported.run.dt_fs = 2, taken["run.dt_fs"] = "2";
+  return taken;
+}
+
 OpenMMInput openmm_input(const Scene& scene) {
   if (!scene.motions.empty())
     throw InputError(

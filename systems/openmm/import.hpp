@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
+#include <string>
 
 #include "systems/openmm/input.hpp"
 #include "systems/scene/scene.hpp"
@@ -13,8 +15,11 @@ namespace taut {
 // are defaults. Throws InputError, one line with file and line, for a missing or truncated file, a force or
 // setting that taut does not have (nothing is skipped), a box not in reduced form, and sizes that differ.
 Scene import_openmm(const std::filesystem::path& system_xml, const std::filesystem::path& state_xml);
-// The same of files that are parsed already (openmm/xml.hpp). Listens as `system` does.
 Scene import_openmm(const XmlFile& system, const XmlFile& state);
+
+// What a run takes of a precision and a step where nobody says them, as the files do not: sets it in a scene as it was
+// imported, and returns it as settings. Studies and Python take those of scenes, which compare best.
+std::map<std::string, std::string> take_usual_settings(Scene& imported);
 
 // Returns the parts of a scene that OpenMM gets: its system, terms and start.
 OpenMMInput openmm_input(const Scene& scene);

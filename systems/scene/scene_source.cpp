@@ -121,8 +121,8 @@ void SceneSource::bring(const std::vector<std::shared_ptr<OwnField>>& fields, Sc
   scene.terms.own = fields;
 }
 
-SceneSource source_of(const Scene& scene, bool openmm, const std::vector<std::string>& overrides) {
-  SceneSource source{openmm, {}, overrides_of(key_values(overrides)), {}};
+SceneSource source_of(const Scene& scene, const std::vector<std::string>& overrides) {
+  SceneSource source{false, {}, overrides_of(key_values(overrides))};
   for (const fs::path& path : scene.files) {
     if (fs::exists(path) && !fs::is_regular_file(path)) throw InputError(path.string() + kPipe);
     std::string text = whole_text(path);
@@ -130,6 +130,14 @@ SceneSource source_of(const Scene& scene, bool openmm, const std::vector<std::st
       throw InputError(path.string() + ": has a character 0, or is over 4 GiB: give a file of text");
     source.files.push_back({path.filename().string(), std::move(text)});
   }
+  return source;
+}
+
+SceneSource source_of(const XmlFile& system, const XmlFile& state,
+                      const std::vector<std::string>& overrides) {
+  SceneSource source{true, {}, overrides_of(key_values(overrides))};
+  for (const XmlFile* file : {&system, &state})
+    source.files.push_back({file->path().filename().string(), file->text()});
   return source;
 }
 

@@ -9,6 +9,8 @@
 
 namespace taut {
 
+class XmlFile;
+
 // The complete text from which a scene was made, so that it can be made again after its files are changed or
 // deleted.
 struct SceneSource {
@@ -26,6 +28,8 @@ struct SceneSource {
 };
 
 // Returns the source of a scene just read. Throws InputError for a file that was deleted meanwhile.
-SceneSource source_of(const Scene& scene, bool openmm, const std::vector<std::string>& overrides);
+SceneSource source_of(const Scene& scene, const std::vector<std::string>& overrides);
+// The same of OpenMM's files, with the texts that were read.
+SceneSource source_of(const XmlFile& system, const XmlFile& state, const std::vector<std::string>& overrides);
 
 }  // namespace taut
