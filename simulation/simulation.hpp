@@ -267,7 +267,6 @@ class Simulation {
   Record full_record(const Vectors& thermal) const;
   std::optional<Eigen::Matrix3d> pressure_tensor(const Vectors& thermal) const;
   HeldTension held_tension(const Vectors& thermal) const;
-  class Stopwatch;
   void size_sums();
   struct LogSums {  // over the rows of the log
     RunningSlope energy, constraint_work;
@@ -307,7 +306,7 @@ class Simulation {
   double unaccounted() const;
   // What a row here weighs in means in time.
   long steps_since_row() const;
-  Record row(const Vectors& thermal, const SolveStats& since, const Stopwatch& watch, long steps);
+  Record row(const Vectors& thermal, const SolveStats& since, double seconds, long steps);
   Summary summary(const Record& end, double seconds, const PartMeter& meter, long steps) const;
   void expect_numbers() const;  // throws StepFailure where one is none
   void keep_snapshot();

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -16,8 +15,6 @@
 
 namespace taut {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 constexpr long kStepsPerSnapshot = 100;
 constexpr double kLeeway = 2;  // feedforward judges a bond by itself, where bonds are coupled
@@ -44,17 +41,6 @@ void explain_none(Diagnosis& d) {
 }
 
 }  // namespace
-
-// Time spent since it was made, without what was spent on watching.
-class Simulation::Stopwatch {
- public:
-  double seconds() const { return std::chrono::duration<double>(Clock::now() - start_ - watching_).count(); }
-  void leave_out(Clock::duration spent) { watching_ += spent; }
-
- private:
-  Clock::time_point start_ = Clock::now();
-  Clock::duration watching_{};
-};
 
 void Simulation::LogSums::add(const Record& r, double residual, long since) {
   if (rows == 0) first_t = r.t, first_energy = r.but_for_heat(), first_temperature = r.temperature;
@@ -137,15 +123,14 @@ Record Simulation::full_record(const Vectors& thermal) const {
 }
 
 // The row of the log for the state as it is.
-Record Simulation::row(const Vectors& thermal, const SolveStats& since, const Stopwatch& watch, long steps) {
+Record Simulation::row(const Vectors& thermal, const SolveStats& since, double seconds, long steps) {
   Record r = full_record(thermal);
   RunningSlope energy = sums_.energy;
   energy.add(r.t, r.but_for_heat(), steps_since_row());
   r.drift = inner_->ensemble.barostat ? kUnknown : energy.value() * per_ns_and_dof();
   const long gone = r.step - sums_.last_row;
   r.iterations = gone > 0 ? static_cast<double>(since.iterations) / static_cast<double>(gone) : 0.0;
-  r.ns_per_day =
-      steps > 0 ? static_cast<double>(steps) * scene_.run.h() * 1e-3 * 86400 / watch.seconds() : 0.0;
+  r.ns_per_day = steps > 0 ? static_cast<double>(steps) * scene_.run.h() * 1e-3 * 86400 / seconds : 0.0;
   if (!std::isfinite(r.total()))
     throw SimulationFailure(
         r.step == 0
@@ -167,14 +152,15 @@ Summary Simulation::run(const std::function<void(const Record&)>& on_record,
   const bool foreign = runs_foreign_code();
   bool in_step = false;  // foreign code may act, and what is thrown is taken back
   taken_back_.reset();
-  Stopwatch watch;
   Record last;
   PartMeter meter(threads_, measures_parts_ ? PartMeter::Parts::kAll : PartMeter::Parts::kBonds);
+  double watching = 0;  // time that is not the steps' [s]
+  const auto seconds = [&] { return meter.seconds() - watching; };
   const auto observe = [&](const SolveStats& since) {
-    const auto pause = Clock::now();
+    const double before = meter.seconds();
     in_part(StepPart::kLog, [&] {
       const Vectors thermal = thermal_velocity();
-      last = row(thermal, since, watch, progress_.step - first);
+      last = row(thermal, since, seconds(), progress_.step - first);
       in_step = false;
       temperatures_->see(scene_.system, state_.x, thermal, steps_since_row());
       const bool as_drawn =
@@ -184,7 +170,7 @@ Summary Simulation::run(const std::function<void(const Record&)>& on_record,
       if (as_drawn) sums_.first_temperature = last.full_step_temperature;
     });
     if (on_record) in_part(StepPart::kOutput, [&] { on_record(last); });
-    watch.leave_out(Clock::now() - pause);
+    watching += meter.seconds() - before;
   };
   stop_ = false;
   if (progress_.step == 0 && sums_.rows == 0) observe({});
@@ -222,11 +208,11 @@ Summary Simulation::run(const std::function<void(const Record&)>& on_record,
   if (ended && sums_.last_row != progress_.step)
     observe(progress_.since);  // a row more, after what a checkpoint keeps
   else
-    last = row(thermal_velocity(), progress_.since, watch, progress_.step - first);
+    last = row(thermal_velocity(), progress_.since, seconds(), progress_.step - first);
   const LogSums sums = sums_;
   if (sums.rows == 0)
     sums_.add(last, progress_.since.max_residual, steps_since_row());  // means have just begun again
-  const Summary all = summary(last, watch.seconds(), meter, progress_.step - first);
+  const Summary all = summary(last, seconds(), meter, progress_.step - first);
   sums_ = sums;
   return all;
 }
