@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/errors.hpp"
+#include "base/listen.hpp"
 #include "command_line.hpp"
 #include "commands.hpp"
 #include "files/text_file.hpp"
@@ -233,13 +234,12 @@ struct RunArguments : SceneArgument {
 // listens, and the folder goes. Throws Stopped.
 OpenRun open_begun_run(RunRequest request) {
   std::optional<StopRequest> asked;
-  const Listen listen = [&] {
+  const ListenScope stopped([&] {
     if (!asked) asked.emplace();
     if (asked->signal() != 0) throw Stopped{128 + asked->signal()};
-  };
-  request.listen = listen;
+  });
   OpenRun run = open_run(std::move(request));
-  listen();
+  hear();
   return run;
 }
 

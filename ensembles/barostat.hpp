@@ -11,14 +11,13 @@ namespace taut {
 struct RunForces final : ForceLaw {
   explicit RunForces(ForceField its_field) : field(std::move(its_field)) {}
   void evaluate(const System& sys, State& s) override {
-    field.evaluate(sys, s, besides, listen);
+    field.evaluate(sys, s, besides);
     if (holds_centre) take_out_net_force(sys, s.f);
   }
 
   // The atoms that move get no common acceleration: their centre stays, by a force on it that does no work. To take
   // momentum out after it came, step by step, lets the centre slide down its potential and cools what pushes it.
   bool holds_centre = false;
-  Listen listen{};  // while a start is made, whose pair lists take long
   ForceField field;
   ForceField::Evaluation besides;  // where the forces were evaluated last
 

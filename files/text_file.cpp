@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/errors.hpp"
+#include "base/listen.hpp"
 
 namespace taut {
 namespace {
@@ -82,12 +83,12 @@ fs::path without_compression(const fs::path& file) {
   return expander(file) ? file.parent_path() / file.stem() : file;
 }
 
-std::string whole_text(const fs::path& file, const Listen& listen) {
+std::string whole_text(const fs::path& file) {
   constexpr std::size_t kLargestPiece = std::size_t(16) << 20;  // that is read at once
   Source in(file);
   std::string text;
   for (bool more = true; more && text.size() <= kLongestText;) {
-    hear(listen);
+    hear();
     const std::size_t before = text.size(), piece = std::clamp<std::size_t>(before, 1 << 16, kLargestPiece);
     text.resize(before + piece);
     const std::size_t read = in.read(text.data() + before, piece);

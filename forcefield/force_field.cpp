@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "base/errors.hpp"
+#include "base/listen.hpp"
 #include "base/shares.hpp"
 #include "forcefield/bonded/bonded_forces.hpp"
 #include "forcefield/bonded/through_box.hpp"
@@ -93,33 +94,33 @@ struct ForceField::Impl {
 
   // Throws for a position that is not finite or absurd, before any force sees it. A pair list checks the
   // atoms that it holds; where it does not hold all, check_positions() looks at every atom.
-  void place_atoms(const Vectors& x, const Box& now, const Listen& listen = {}) {
+  void place_atoms(const Vectors& x, const Box& now) {
     if (now != box) change_box(now);
-    if (lj_coulomb) lj_coulomb->update_lists(x, box, listen);
-    if (wca) wca->update_lists(x, box, listen);
-    if (tables) tables->update_lists(x, box, listen);
-    hear(listen);
+    if (lj_coulomb) lj_coulomb->update_lists(x, box);
+    if (wca) wca->update_lists(x, box);
+    if (tables) tables->update_lists(x, box);
+    hear();
     const bool all = (lj_coulomb && lj_coulomb->on_every_atom()) || (wca && wca->on_every_atom());
     if (!all) check_positions(x);
   }
 
   // Pairs that act on every atom overwrite the forces, which need not be cleared; all others add to them.
-  void evaluate(const System& sys, const State& s, Vectors& f, Evaluation& besides, const Listen& listen) {
+  void evaluate(const System& sys, const State& s, Vectors& f, Evaluation& besides) {
     const Vectors& x = s.x;
-    place_atoms(x, s.box, listen);
+    place_atoms(x, s.box);
     f.resize(3, x.cols());
     using enum ClusterPairs::Write;
     ClusterPairs* const first = lj_coulomb ? &*lj_coulomb : wca ? &*wca : tables ? &*tables : nullptr;
     const bool overwrite = first != nullptr && first->on_every_atom();
     if (!overwrite) clear(f);
     if (first != nullptr) first->add_forces(f, overwrite ? kOverwrite : kAdd);
-    hear(listen);
+    hear();
     if (pme) besides.mesh = pme->add_forces(x, f);
     if (wca && &*wca != first) wca->add_forces(f);
     if (tables && &*tables != first) tables->add_forces(f);
-    hear(listen);
+    hear();
     add_bonded_and_fields(sys, s, f, besides);
-    hear(listen);
+    hear();
   }
 
   // The energy alone, for which forces of pairs are not computed: f gets the others.
@@ -211,9 +212,9 @@ ForceField::~ForceField() = default;
 ForceField::ForceField(ForceField&&) noexcept = default;
 ForceField& ForceField::operator=(ForceField&&) noexcept = default;
 
-void ForceField::evaluate(const System& sys, State& s, Evaluation& besides, const Listen& listen) {
+void ForceField::evaluate(const System& sys, State& s, Evaluation& besides) {
   place_virtual_sites(sys, s.x);
-  impl_->evaluate(sys, s, s.f, besides, listen);
+  impl_->evaluate(sys, s, s.f, besides);
   besides.site_virial.setZero();
   if (!sys.sites.empty())
     besides.site_virial = in_part(StepPart::kSites, [&] { return hand_to_parents(sys.sites, s.x, s.f); });
@@ -224,9 +225,9 @@ void ForceField::evaluate(const System& sys, State& s) {
   evaluate(sys, s, besides);
 }
 
-double ForceField::evaluate_energy(const System& sys, State& s, const Listen& listen) {
+double ForceField::evaluate_energy(const System& sys, State& s) {
   Evaluation besides;
-  evaluate(sys, s, besides, listen);
+  evaluate(sys, s, besides);
   return potential(s, besides);
 }
 

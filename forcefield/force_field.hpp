@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "base/archive.hpp"
-#include "base/listen.hpp"
 #include "forcefield/external.hpp"
 #include "forcefield/terms.hpp"
 #include "md/force_law.hpp"
@@ -47,12 +46,12 @@ class ForceField final : public ForceLaw {
     BiasForces biases;
     Eigen::Matrix3d site_virial = Eigen::Matrix3d::Zero();  // of handing sites' forces to parents [kJ/mol]
   };
-  // Listens while it makes pair lists, the first of which take longer than the forces, and after each kind of forces.
-  // What listening throws leaves s.f meaningless and lists that the next call can use or makes anew.
-  void evaluate(const System& sys, State& s, Evaluation& besides, const Listen& listen = {});
+  // Hears (base/listen.hpp) while it makes pair lists, the first of which take longer than the forces, and after each
+  // kind of forces. What that throws leaves s.f meaningless and lists that the next call can use or makes anew.
+  void evaluate(const System& sys, State& s, Evaluation& besides);
 
-  // Sets s.f = F(s.x) and returns the potential energy [kJ/mol]. Listens as evaluate() does.
-  double evaluate_energy(const System& sys, State& s, const Listen& listen = {});
+  // Sets s.f = F(s.x) and returns the potential energy [kJ/mol].
+  double evaluate_energy(const System& sys, State& s);
   // Returns the potential energy without computing the forces of pairs; s.f becomes meaningless [kJ/mol].
   double evaluate_energy_alone(const System& sys, State& s);
 

@@ -26,14 +26,6 @@ std::unique_ptr<Bath> make_barostat(const Scene& scene, std::uint64_t seed, RunF
 void refuse_unreachable_tolerance(const System& sys, const Vectors& x, double tolerance);
 void refuse_springs_under_metric(const ConstraintMethod& method);
 
-// Forces listen while it lives.
-struct HeardForces {
-  HeardForces(RunForces& its_forces, const Listen& listen) : forces(its_forces) { forces.listen = listen; }
-  ~HeardForces() { forces.listen = {}; }
-
-  RunForces& forces;
-};
-
 // What moves a simulation's atoms and measures their pressure.
 struct Simulation::Inner {
   explicit Inner(Scene& scene);  // adds the metric correction to the scene's terms

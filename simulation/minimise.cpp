@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "base/errors.hpp"
+#include "base/listen.hpp"
 #include "constraints/projection.hpp"
 #include "forcefield/check_positions.hpp"
 #include "forcefield/force_field.hpp"
@@ -24,8 +25,8 @@ double largest(const Vectors& f) {
 
 class Descent {
  public:
-  Descent(const System& sys, ForceField& forces, const State& start, const Listen& listen)
-      : real_(sys), sys_(with_unit_masses(sys)), forces_(forces), listen_(listen), projector_(sys_) {
+  Descent(const System& sys, ForceField& forces, const State& start)
+      : real_(sys), sys_(with_unit_masses(sys)), forces_(forces), projector_(sys_) {
     here_ = start;
     projector_.positions(sys_, here_.x);
     energy_ = evaluate(here_);
@@ -61,8 +62,8 @@ class Descent {
  private:
   // The energy; f becomes tangent.
   double evaluate(State& s) {
-    const double energy = forces_.evaluate_energy(real_, s, listen_);
-    hear(listen_);
+    const double energy = forces_.evaluate_energy(real_, s);
+    hear();
     for (int a = 0; a < sys_.atoms(); ++a) s.f.col(a) *= sys_.mass[a];  // an anchor's force moves nothing
     projector_.velocities(sys_, s.x, s.f);
     return energy;
@@ -71,7 +72,6 @@ class Descent {
   const System& real_;
   System sys_;  // of unit masses
   ForceField& forces_;
-  const Listen& listen_;
   Projector projector_;
   State here_, next_;  // f: the tangent force
   double energy_ = 0;
@@ -81,7 +81,7 @@ class Descent {
 
 Minimised minimise(const System& sys, ForceField& forces, const MinimiseGoal& goal, State& s,
                    const OnMove& on_move) {
-  Descent descent(sys, forces, s, goal.listen);
+  Descent descent(sys, forces, s);
   Minimised result{.energy_before = descent.energy()};
   const auto note = [&] { result.energy = descent.energy(), result.largest_force = descent.force(); };
   note();

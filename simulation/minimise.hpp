@@ -2,7 +2,6 @@
 
 #include <functional>
 
-#include "base/listen.hpp"
 #include "md/state.hpp"
 #include "md/system.hpp"
 
@@ -26,7 +25,6 @@ struct MinimiseGoal {
   double force = 0;       // on every atom, at most [kJ/mol/nm]
   int most_moves = 5000;  // kept or taken back
   bool soft = false;      // atoms that overlap are pushed apart first, by push_apart() of soft_start.hpp
-  Listen listen = {};     // called all through
 };
 
 inline constexpr double kLongestMove = 0.05;  // [nm]

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "base/errors.hpp"
+#include "base/listen.hpp"
 #include "base/threads.hpp"
 #include "base/usable_cores.hpp"
 #include "files/folder.hpp"
@@ -73,7 +74,7 @@ OpenRun open_new(RunRequest& request) {
   OpenRun run{std::move(request.source), nullptr, {}};
   for (const auto& [key, value] : request.usual) run.source.overrides.push_back(key + "=" + value);
   const int threads = threads_of_new_run(request);
-  run.simulation = std::make_unique<Simulation>(std::move(*request.scene), threads, request.listen);
+  run.simulation = std::make_unique<Simulation>(std::move(*request.scene), threads);
   if (request.folder.empty()) return run;
   FolderLock lock(request.folder);
   refuse_other_run(request);  // another process may have been faster
@@ -151,9 +152,9 @@ std::unique_ptr<Simulation> restore_simulation(const RunRequest& request, const 
   const std::optional<int> asked = request.threads ? request.threads : asked_threads();
   try {
     const ThreadScope scope(asked.value_or(std::max(1, checkpoint.threads)));
-    Scene scene = checkpoint.source.read(request.listen);
+    Scene scene = checkpoint.source.read();
     checkpoint.source.bring(request.forces, scene);
-    auto simulation = std::make_unique<Simulation>(std::move(scene), available_threads(), request.listen);
+    auto simulation = std::make_unique<Simulation>(std::move(scene), available_threads());
     simulation->restore(checkpoint.memory);
     if (simulation->step() != checkpoint.step) throw InputError("damaged: two numbers of steps");
     return simulation;
@@ -212,7 +213,7 @@ OpenRun open_begun(RunRequest& request) {
   const KeyValues changes = changes_of(request, checkpoint);
   OpenRun run{checkpoint.source, restore_simulation(request, checkpoint), {}};
   run.history = std::move(checkpoint.history);
-  change_settings(*run.simulation, run.source, changes, request.listen);
+  change_settings(*run.simulation, run.source, changes);
   if (!lock) return run;
   run.finished = request.leave_finished && run.simulation->step() >= run.simulation->scene().run.steps &&
                  fs::exists(request.folder / "summary.json");
@@ -224,15 +225,15 @@ OpenRun open_begun(RunRequest& request) {
 
 }  // namespace
 
-void change_settings(Simulation& simulation, SceneSource& source, const KeyValues& changes,
-                     const Listen& listen) {
+void change_settings(Simulation& simulation, SceneSource& source, const KeyValues& changes) {
   refuse_fixed(changes);
   std::vector<std::string> overrides =
       changed_overrides(source.overrides, simulation.scene().velocities_drawn, changes);
   if (overrides == source.overrides) return;
   SceneSource changed = source;
   changed.overrides = std::move(overrides);
-  const Scene scene = changed.read(listen);
+  const Scene scene = changed.read();
+  const ListenScope deaf;  // what changes is changed whole
   const RunSettings before = simulation.scene().run, after = scene.run;
   // The frames of one file are equally spaced from its start to its end.
   if (before.trajectory_every > 0 && after.trajectory_every > 0 &&

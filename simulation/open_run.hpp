@@ -46,7 +46,6 @@ struct RunRequest {
   std::vector<std::shared_ptr<OwnField>> forces = {};  // its forces that are code
   bool accept = false;                                 // outputs may be cut back or start anew
   std::function<bool(const std::string&)> ask = {};    // asks a person whether outputs may be cut back
-  Listen listen = {};                                  // called while files are read and the start is made
   bool leave_finished = false;  // do not open the folder of a run that has taken all of its steps
 };
 
@@ -67,7 +66,6 @@ OpenRun open_run(RunRequest request);
 
 // Changes settings of a run that has begun, as `taut resume --set` does. Throws InputError for a setting that
 // cannot change or would have no effect.
-void change_settings(Simulation& simulation, SceneSource& source, const KeyValues& changes,
-                     const Listen& listen = {});
+void change_settings(Simulation& simulation, SceneSource& source, const KeyValues& changes);
 
 }  // namespace taut

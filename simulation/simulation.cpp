@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/errors.hpp"
+#include "base/listen.hpp"
 #include "base/words.hpp"
 #include "constraints/bond_algebra.hpp"
 #include "ensembles/bussi.hpp"
@@ -82,13 +83,13 @@ Simulation::Inner::Inner(Scene& scene)
 
 Simulation::~Simulation() = default;
 
-Simulation::Simulation(Scene scene, const ThreadScope&, const Listen& listen)
+Simulation::Simulation(Scene scene, const ThreadScope&)
     : threads_(available_threads()),
       full_(scene.system),
       redundancy_(find_redundancy(scene.system, scene.start.x)),
       scene_(without_redundant_bonds(std::move(scene), redundancy_)),
-      inner_((hear(listen), std::make_unique<Inner>(scene_))),
-      method_((hear(listen), make_method(scene_.system, scene_.method, scene_.run.h()))),
+      inner_((hear(), std::make_unique<Inner>(scene_))),
+      method_((hear(), make_method(scene_.system, scene_.method, scene_.run.h()))),
       state_(scene_.start),
       measures_parts_(scene_.system.atoms() >= kAtomsWorthMeasuring) {
   const System& sys = scene_.system;
@@ -99,10 +100,9 @@ Simulation::Simulation(Scene scene, const ThreadScope&, const Listen& listen)
   if (scene_.terms.worked_in_time()) inner_->ensemble.steering.emplace(inner_->forces.besides);
   size_sums();
   make_thermostat();
-  bring_to_the_bonds({.force = scene_.run.minimise ? scene_.run.minimise_force : 0,
-                      .soft = scene_.run.soft_start,
-                      .listen = listen});
-  note_start(listen);
+  bring_to_the_bonds(
+      {.force = scene_.run.minimise ? scene_.run.minimise_force : 0, .soft = scene_.run.soft_start});
+  note_start();
   refuse_unreachable_tolerance(sys, state_.x, method_->promised_error());
   count_degrees_of_freedom(fixed_motions(scene_, state_.x, state_.v));
   make_barostat();
@@ -112,10 +112,9 @@ Simulation::Simulation(Scene scene, const ThreadScope&, const Listen& listen)
 
 void Simulation::bring_to_the_bonds(const MinimiseGoal& goal, const OnMove& on_move) {
   const System& sys = scene_.system;
-  hear(goal.listen);
+  hear();
   place_sites(sys.sites, state_.x);
-  if (goal.force > 0 && goal.soft)
-    start_report_.pushed_apart = push_apart(scene_, state_, on_move, goal.listen);
+  if (goal.force > 0 && goal.soft) start_report_.pushed_apart = push_apart(scene_, state_, on_move);
   if (goal.force > 0) start_report_.minimised = minimise(sys, inner_->forces.field, goal, state_, on_move);
   leave_out_prescribed_velocities(scene_.motions, inner_->anchors, state_);
   start_report_.anchors_stopped = rest_anchors(sys, state_.v);
@@ -125,13 +124,10 @@ void Simulation::bring_to_the_bonds(const MinimiseGoal& goal, const OnMove& on_m
   }
   const Vectors x = state_.x;
   const double kinetic = kinetic_energy(sys, state_.v);
-  {
-    const HeardForces heard(inner_->forces, goal.listen);
-    initialize(*inner_->integrator, inner_->dynamics(sys, *method_), scene_.run.h(), state_);
-  }
+  initialize(*inner_->integrator, inner_->dynamics(sys, *method_), scene_.run.h(), state_);
   if (inner_->ensemble.steering) inner_->ensemble.steering->begin();
   if (!state_.f.allFinite()) refuse_atoms_in_one_place(state_.box, state_.x);
-  hear(goal.listen);
+  hear();
   start_report_.largest_move = x.cols() > 0 ? (state_.x - x).colwise().norm().maxCoeff() : 0.0;
   if (kinetic > 0) start_report_.kinetic_removed = 1 - kinetic_energy(sys, state_.v) / kinetic;
 }
@@ -154,7 +150,7 @@ void Simulation::begin_means() {
 }
 
 // For the header.
-void Simulation::note_start(const Listen& listen) {
+void Simulation::note_start() {
   if (const auto& nonbonded = scene_.terms.nonbonded;
       nonbonded && nonbonded->pme && !nonbonded->charge.isZero(0))
     ewald_doubt_ = doubt_of(chosen_parameters(*nonbonded->pme, state_.box, *nonbonded->cutoff), state_.box,
@@ -189,7 +185,7 @@ void Simulation::note_start(const Listen& listen) {
     what.push_back(fmt::format("{:.3g} % of the kinetic energy taken out", 100 * kinetic_removed));
   if (!what.empty()) scene_.notes.push_back(fmt::format("brought to the bonds: {}", fmt::join(what, ", ")));
   note_unresolved_motion();
-  if (std::string linked = linked_rings_message(full_, scene_.terms, state_, listen); !linked.empty())
+  if (std::string linked = linked_rings_message(full_, scene_.terms, state_); !linked.empty())
     scene_.notes.push_back(std::move(linked));
   for (std::string& note : contradicted_lengths(full_, redundancy_.redundant, state_.x))
     scene_.notes.push_back(std::move(note));

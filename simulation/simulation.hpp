@@ -11,7 +11,6 @@
 #include <utility>
 #include <vector>
 
-#include "base/listen.hpp"
 #include "base/threads.hpp"
 #include "constraints/redundancy.hpp"
 #include "md/constraint_method.hpp"
@@ -163,8 +162,8 @@ struct RunProgress {
 class Simulation {
  public:
   // Computes with so many threads as long as it lives, whichever thread calls it.
-  explicit Simulation(Scene scene, int threads = available_threads(), const Listen& listen = {})
-      : Simulation(std::move(scene), ThreadScope(threads), listen) {}
+  explicit Simulation(Scene scene, int threads = available_threads())
+      : Simulation(std::move(scene), ThreadScope(threads)) {}
   Simulation(Simulation&&) = delete;  // its barostat refers into it
   ~Simulation();
 
@@ -245,10 +244,10 @@ class Simulation {
   std::optional<Diagnosis> diagnose();
 
  private:
-  Simulation(Scene scene, const ThreadScope&, const Listen& listen);
+  Simulation(Scene scene, const ThreadScope&);
   void bring_to_the_bonds(const MinimiseGoal& goal, const OnMove& on_move = {});
   void begin_means();
-  void note_start(const Listen& listen);
+  void note_start();
   void note_unresolved_motion();
   std::uint64_t seed_here() const;
   void make_thermostat();

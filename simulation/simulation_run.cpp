@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/errors.hpp"
+#include "base/listen.hpp"
 #include "constraints/methods/baumgarte.hpp"
 #include "md/step_parts.hpp"
 #include "md/units.hpp"
@@ -17,6 +18,7 @@ namespace taut {
 namespace {
 
 constexpr long kStepsPerSnapshot = 100;
+constexpr long kStepsPerHearing = 4;
 constexpr double kLeeway = 2;  // feedforward judges a bond by itself, where bonds are coupled
 
 bool finite(const State& s) {
@@ -140,6 +142,7 @@ Record Simulation::row(const Vectors& thermal, const SolveStats& since, double s
 }
 
 SolveStats Simulation::take_step() {
+  const ListenScope deaf;  // no clock is to show in a step's time
   ++progress_.step;
   return inner_->integrator->advance(inner_->dynamics(scene_.system, *method_), scene_.run.h(), state_);
 }
@@ -191,6 +194,7 @@ Summary Simulation::run(const std::function<void(const Record&)>& on_record,
       else if (step % kStepsPerSnapshot == 0)
         keep_snapshot();
       in_step = false;
+      if (step % kStepsPerHearing == 0) hear();
       if (on_step) in_part(StepPart::kOutput, [&] { on_step(step); });
     }
   } catch (const SimulationFailure& failure) {

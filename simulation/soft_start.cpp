@@ -128,7 +128,7 @@ class SoftPush final : public OwnField {
 
 }  // namespace
 
-int push_apart(const Scene& scene, State& s, const OnMove& on_move, const Listen& listen) {
+int push_apart(const Scene& scene, State& s, const OnMove& on_move) {
   const double widest = diameters(scene.terms, scene.system.atoms()).maxCoeff();
   if (widest == 0) return 0;
   Terms soft = scene.terms;
@@ -137,7 +137,7 @@ int push_apart(const Scene& scene, State& s, const OnMove& on_move, const Listen
   soft.wca.reset();
   soft.tabulated_pairs.reset();
   ForceField forces(scene.system, s.box, soft);
-  const MinimiseGoal goal{.force = kLeftForce * std::numbers::pi * kAmplitude / widest, .listen = listen};
+  const MinimiseGoal goal{.force = kLeftForce * std::numbers::pi * kAmplitude / widest};
   return minimise(scene.system, forces, goal, s, on_move).moves;
 }
 

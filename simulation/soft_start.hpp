@@ -12,6 +12,6 @@ namespace taut {
 // the bonds, as run.minimise. Two atoms in one place are told apart by a push of their own along a direction that their
 // numbers give.
 // Returns the number of moves. Throws as minimise() does.
-int push_apart(const Scene& scene, State& s, const OnMove& on_move = {}, const Listen& listen = {});
+int push_apart(const Scene& scene, State& s, const OnMove& on_move = {});
 
 }  // namespace taut

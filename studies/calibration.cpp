@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/errors.hpp"
+#include "base/listen.hpp"
 #include "base/random.hpp"
 #include "constraints/bond_algebra.hpp"
 #include "constraints/methods/newton.hpp"
@@ -144,7 +145,7 @@ class Bench {
   std::vector<Errors> follow(int steps, State& s) {
     std::vector<Errors> errors = {errors_of(scene_.system, s.x)};
     for (int n = 0; n < steps; ++n) {
-      if (plan_.listen) plan_.listen();
+      hear();
       const SolveStats stats = step({scene_.system, forces_, *method_}, h_, s);
       if (!stats.converged())
         throw SimulationFailure(fmt::format("calibration, step {}: {}", n, in_words(stats.failure)));

@@ -31,7 +31,6 @@ struct CalibrationPlan {
   int settle = 50;             // steps before
   int steps = 40;              // steps followed
   long compared_steps = 2000;  // of the runs that methods are compared in
-  Listen listen = {};
 };
 
 // An error's course: rms over bonds of σ/d², and of σ̇h/d² with σ̇ = (σ₊ − σ₋)/2h, step by step.

@@ -61,7 +61,6 @@ double rms_distance(const Vectors& a, const Vectors& b) {
 struct Reference {
   Scene scene;
   int divisor;
-  Listen listen;
   std::optional<Vectors> x = {};
 
   std::string method() const { return std::string(usual_method(scene.system)); }
@@ -70,8 +69,8 @@ struct Reference {
     Scene fine = scene;
     fine.run.dt_fs /= divisor;
     State end;
-    const Trial trial = try_setting(fine, held_to("1e-12", method()),
-                                    {.steps = kOrderSteps * divisor, .rows = 1, .listen = listen}, end);
+    const Trial trial =
+        try_setting(fine, held_to("1e-12", method()), {.steps = kOrderSteps * divisor, .rows = 1}, end);
     x = trial.failed() ? Vectors() : end.x;
     return *x;
   }
@@ -82,8 +81,8 @@ Trial compared(const ChartPlan& plan, const std::string& method, int divisor, Re
   scene.run.dt_fs /= divisor;
   State end;
   const long half = kOrderSteps / 2 * divisor;
-  Trial trial = try_setting(scene, held_to("1e-11", method),
-                            {.start = half, .steps = half, .rows = half, .listen = plan.listen}, end);
+  Trial trial =
+      try_setting(scene, held_to("1e-11", method), {.start = half, .steps = half, .rows = half}, end);
   if (trial.failed()) return trial;
   const Vectors& x = reference.positions();
   if (x.cols() == end.x.cols())
@@ -112,9 +111,8 @@ Trial run_length(const ChartPlan& plan, const std::string& method, int bonds) {
   const Scene chains = read_scene(
       find_scene("freely_jointed"),
       {fmt::format("build.chains={}", copies(plan, bonds)), fmt::format("build.beads={}", bonds + 1)});
-  return try_setting(
-      chains, held_to("1e-8", method),
-      {.start = kTimedStart, .steps = plan.quick ? 20 : 100, .rows = 4, .listen = plan.listen});
+  return try_setting(chains, held_to("1e-8", method),
+                     {.start = kTimedStart, .steps = plan.quick ? 20 : 100, .rows = 4});
 }
 
 }  // namespace
@@ -142,9 +140,8 @@ std::vector<Job> work_jobs(const ChartPlan& plan, const Ledger& ledger) {
   std::vector<Job> points, runs;
   for (const Setting& s : plan.settings()) {
     points.push_back({work_name(s), [&plan, s] {
-                        return try_setting(
-                            plan.scene, s,
-                            {.start = kTimedStart, .steps = plan.steps, .rows = 2, .listen = plan.listen});
+                        return try_setting(plan.scene, s,
+                                           {.start = kTimedStart, .steps = plan.steps, .rows = 2});
                       }});
     runs.push_back({drift_name(s), [&plan, s] { return try_setting(plan.scene, s, plan.long_trial()); }});
   }
@@ -154,8 +151,7 @@ std::vector<Job> work_jobs(const ChartPlan& plan, const Ledger& ledger) {
 }
 
 std::vector<Job> order_jobs(const ChartPlan& plan) {
-  const auto reference =
-      std::make_shared<Reference>(Reference{plan.scene, 4 * divisors(plan).back(), plan.listen});
+  const auto reference = std::make_shared<Reference>(Reference{plan.scene, 4 * divisors(plan).back()});
   std::vector<Job> jobs;
   for (const auto& method : plan.methods)
     for (const int divisor : divisors(plan))

@@ -21,14 +21,13 @@ struct ChartPlan {
   int repeats = 20;         // of everything timed; interleaved, so that all meet the same machine
   long steps = 40;          // of a timed run; short, so that few of them meet another process
   long drift_steps = 4000;  // of a run whose energy and bonds are watched
-  Listen listen = {};
   std::set<std::string, std::less<>> panels = {"work", "drift", "order", "length", "precision"};
 
   void make_quick();                      // rough: few settings, repeats and steps
   std::vector<Setting> settings() const;  // of all methods
   // Of drift_steps, after a start of a quarter as many.
   TrialPlan long_trial() const {
-    return {.start = drift_steps / 4, .steps = drift_steps, .rows = drift_steps / 10, .listen = listen};
+    return {.start = drift_steps / 4, .steps = drift_steps, .rows = drift_steps / 10};
   }
   bool has(
       std::string_view panel) const;  // asked for, or needed for one that is, and there is something to show

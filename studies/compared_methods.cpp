@@ -120,12 +120,10 @@ std::vector<ComparedMethod> compare_methods(const Scene& scene, const Calibratio
           [&] { method.reduction = reduction_of(scene, method_in_word(method.method), plan); });
   }
   const long steps = std::max(1L, plan.compared_steps / kTurns) * kTurns;
-  run_in_turns(scene,
-               {.start = std::max(1L, steps / 4),
-                .steps = steps,
-                .rows = std::min(steps, std::max(400L, steps / 10)),
-                .listen = plan.listen},
-               compared);
+  run_in_turns(
+      scene,
+      {.start = std::max(1L, steps / 4), .steps = steps, .rows = std::min(steps, std::max(400L, steps / 10))},
+      compared);
   return compared;
 }
 

@@ -41,7 +41,6 @@ struct CrosscheckPlan {
   long samples = 200;
   double speed_seconds = 1;  // for each figure of speed; 0: none
   int threads = 1;           // of both
-  Listen listen = {};
 
   bool plugged() const { return integrator == "taut"; }
   bool in_double() const { return platform == "Reference" || precision == "double"; }

@@ -37,8 +37,8 @@ double apart_after(const Stage& stage, const Scene& scene, long steps) {
   Simulation simulation(scene);
   const auto twin = stage.twin({});
   twin->set(simulation.state());
-  simulation.run({}, at_steps(stage.plan.listen));
-  advance(*twin, steps, stage.plan.listen);
+  simulation.run({});
+  advance(*twin, steps);
   return most_apart(simulation.state().x, twin->state().x);
 }
 
@@ -115,8 +115,8 @@ Chaos chaos_of(const Track& nudged) {
 Leapfrog compare_leapfrog(const Stage& stage) {
   Leapfrog found{.steps = std::min(stage.parting, 20L)};
   const auto twin = stage.twin({}), verlet = stage.twin({.integrator = TwinIntegrator::kVerlet});
-  advance(*twin, found.steps, stage.plan.listen);
-  advance(*verlet, found.steps, stage.plan.listen);
+  advance(*twin, found.steps);
+  advance(*verlet, found.steps);
   const State ours = twin->state(), theirs = verlet->state();
   found.positions = most_apart(ours.x, theirs.x);
   found.velocities = most_apart(ours.v, theirs.v);

@@ -10,6 +10,7 @@
 #include <map>
 
 #include "base/errors.hpp"
+#include "base/listen.hpp"
 #include "constraints/bond_graph.hpp"
 #include "constraints/methods/baumgarte.hpp"
 #include "constraints/methods/newton.hpp"
@@ -24,13 +25,13 @@ constexpr long kDenseSamples = 100;
 constexpr double kLongEnough = 5;  // [ps]
 constexpr double kBroken = 0.1;    // relative error of a bond that OpenMM has lost
 
-Scene prepared(Scene scene, const Listen& listen) {
-  scene = prepared_for_study(std::move(scene), listen);
+Scene prepared(Scene scene) {
+  scene = prepared_for_study(std::move(scene));
   if (scene.run.remove_momentum_every > 0)
     scene.notes.push_back("its momentum is not taken out on the way, in no run");
   scene.run.remove_momentum_every = 0;
   scene.method = exact("").method;
-  const Simulation on_bonds(std::move(scene), available_threads(), listen);
+  const Simulation on_bonds(std::move(scene));
   Scene ready = on_bonds.scene();
   ready.start = on_bonds.state();
   return ready;
@@ -146,7 +147,7 @@ class Recorder {
 
 Stage::Stage(const Scene& from, const CrosscheckPlan& the_plan)
     : plan(the_plan),
-      scene(prepared(from, plan.listen)),
+      scene(prepared(from)),
       dof(Simulation(scene).dof().total()),
       steps(scene.run.steps),
       parting(std::min(steps, plan.parting_steps)),
@@ -193,11 +194,11 @@ TwinSettings Stage::with_plugin(const Contestant& contestant) const {
   return settings;
 }
 
-void advance(OpenMMTwin& twin, long steps, const Listen& listen) {
-  if (!listen) return twin.step(static_cast<int>(steps));
+void advance(OpenMMTwin& twin, long steps) {
+  if (!ListenScope::now()) return twin.step(static_cast<int>(steps));
   constexpr long kAtOnce = 4;
   for (long left = steps; left > 0; left -= kAtOnce) {
-    listen();
+    hear();
     twin.step(static_cast<int>(std::min(left, kAtOnce)));
   }
 }
@@ -226,9 +227,7 @@ Followed follow(const Stage& stage, const Contestant& contestant, long steps, co
       recorder.see(step, simulation.state(), simulation.record().potential);
     };
     see(0);
-    const auto look = at_steps(stage.plan.listen);
     const Summary summary = simulation.run({}, [&](long fine_step) {
-      if (look) look(fine_step);
       if (each) each(simulation.state());
       if (fine_step % finer == 0 && stage.samples(fine_step / finer)) see(fine_step / finer);
     });
@@ -256,7 +255,7 @@ Followed follow(const Stage& stage, const std::string& name, OpenMMTwin& twin, l
     long last = 0;
     for (long n = 1; n <= steps; ++n) {
       if (!stage.samples(n)) continue;
-      advance(twin, n - last, stage.plan.listen);
+      advance(twin, n - last);
       last = n;
       see(n);
     }
@@ -300,15 +299,14 @@ double time_taut(const Stage& stage, const MethodOptions& method) {
   return time_steps(stage.plan.speed_seconds, [&](long steps) {
     scene.run.steps = scene.run.log_every = steps;
     Simulation simulation(scene);
-    simulation.run({}, at_steps(stage.plan.listen));
+    simulation.run({});
     scene.start = simulation.state();
   });
 }
 
 double time_twin(const Stage& stage, const TwinSettings& settings) {
   const auto twin = stage.twin(settings);
-  const double us =
-      time_steps(stage.plan.speed_seconds, [&](long steps) { advance(*twin, steps, stage.plan.listen); });
+  const double us = time_steps(stage.plan.speed_seconds, [&](long steps) { advance(*twin, steps); });
   if (!twin->state().x.allFinite())
     throw SimulationFailure("OpenMM, run beside taut: positions are no longer numbers");
   return us;

@@ -56,8 +56,8 @@ Followed follow(const Stage& stage, const std::string& name, OpenMMTwin& twin, l
 // Newton's method with a tolerance that rounding allows.
 Contestant exact(const std::string& name);
 
-// Takes an OpenMM run's steps a few at a time, and listens between them.
-void advance(OpenMMTwin& twin, long steps, const Listen& listen);
+// Takes an OpenMM run's steps, a few at a time where anything listens.
+void advance(OpenMMTwin& twin, long steps);
 
 double most_apart(const Vectors& x, const Vectors& y);  // largest distance of an atom from its twin [nm]
 

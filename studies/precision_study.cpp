@@ -34,9 +34,8 @@ std::vector<Job> precision_jobs(const ChartPlan& plan, const Ledger& ledger) {
   for (const auto& method : plan.methods)
     for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
       points.push_back({point_name("step", method, precision), [&plan, method, precision] {
-                          return try_precision(
-                              plan, method, precision,
-                              {.start = plan.steps, .steps = plan.steps, .rows = 2, .listen = plan.listen});
+                          return try_precision(plan, method, precision,
+                                               {.start = plan.steps, .steps = plan.steps, .rows = 2});
                         }});
       drifts.push_back({point_name("precision", method, precision), [&plan, method, precision] {
                           return try_precision(plan, method, precision, plan.long_trial());

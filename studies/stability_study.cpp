@@ -88,8 +88,7 @@ TrialPlan StabilityPlan::trial(long trial_steps) const {
           .steps = trial_steps - trial_steps / 5,
           .rows = trial_steps / 5,
           .broken_energy = broken_energy,
-          .broken_bond = broken_bond,
-          .listen = listen};
+          .broken_bond = broken_bond};
 }
 
 std::vector<Job> plane_jobs(const StabilityPlan& plan) {

@@ -18,7 +18,6 @@ struct StabilityPlan {
   double broken_bond = 0.1;              // a run has failed where a bond is off by more than this, relative,
   double broken_energy = 1;              // or the energy by this much of the largest kinetic energy
   std::vector<double> ah = {}, bh = {};  // αh and βh of the plane's points, as asked; empty: all of it
-  Listen listen = {};
 
   void make_quick();  // rough: few gains and steps
   std::vector<double> all_ah() const;

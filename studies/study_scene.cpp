@@ -8,14 +8,7 @@
 
 namespace taut {
 
-std::function<void(long)> at_steps(const Listen& listen) {
-  if (!listen) return {};
-  return [&listen](long step) {
-    if (step % 4 == 0) listen();
-  };
-}
-
-Scene prepared_for_study(Scene given, const Listen& listen) {
+Scene prepared_for_study(Scene given) {
   Scene scene = without_redundant_bonds(std::move(given));
   RunSettings& run = scene.run;
   if (run.langevin() || run.rescaling()) {
@@ -31,7 +24,7 @@ Scene prepared_for_study(Scene given, const Listen& listen) {
     run.barostat = "none";
   }
   if (run.minimise) {
-    const Simulation relaxed(scene, available_threads(), listen);
+    const Simulation relaxed(scene);
     scene.start = relaxed.state();
     scene.notes = relaxed.scene().notes;
     run.minimise = false;

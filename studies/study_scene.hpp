@@ -1,19 +1,13 @@
 #pragma once
 
-#include <functional>
-
-#include "base/listen.hpp"
 #include "systems/scene/scene.hpp"
 
 namespace taut {
 
-// For Simulation::run: listens at every fourth step, so that a clock it reads does not show in a step's time.
-std::function<void(long)> at_steps(const Listen& listen);
-
 // The scene as studies run it. They compare energies and trajectories, so no thermostat and no barostat acts;
 // a rough start is relaxed once, not for every trial. What is changed is said in scene.notes, a line each.
 // Throws InputError for a start that cannot be relaxed.
-Scene prepared_for_study(Scene scene, const Listen& listen = {});
+Scene prepared_for_study(Scene scene);
 
 // Throws InputError for a key among `overrides` that a study sets itself: it would have no effect.
 void refuse_without_effect(const char* study, const std::vector<std::string>& overrides);

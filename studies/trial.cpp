@@ -123,13 +123,13 @@ Estimate root(const Estimate& square) {
 }  // namespace
 
 TrialRun::TrialRun(Scene scene, const Setting& setting, const TrialPlan& plan)
-    : plan_(plan), simulation_(ready(std::move(scene), setting, plan), available_threads(), plan.listen) {}
+    : plan_(plan), simulation_(ready(std::move(scene), setting, plan)) {}
 
 void TrialRun::advance(long steps) {
   RunSettings run = simulation_.scene().run;
   run.steps = simulation_.step() + steps;
   simulation_.change(run);
-  const Summary summary = simulation_.run([this](const Record& r) { watch(r); }, at_steps(plan_.listen));
+  const Summary summary = simulation_.run([this](const Record& r) { watch(r); });
   constraint_us_ = summary.constraint_us_per_step;
   step_us_ = summary.us_per_step;
   doubts_ = summary.doubts;

@@ -61,7 +61,6 @@ struct TrialPlan {
   double broken_energy =
       1.0;  // |E − E₀| over the largest kinetic energy seen (or 1e-6 of E₀), above which it blew up
   double broken_bond = 0.1;  // relative error above which a bond counts as lost
-  Listen listen = {};
 };
 
 // A run of a copy of the scene under a setting, some steps at a time.

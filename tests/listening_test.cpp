@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <fstream>
 
+#include "base/listen.hpp"
 #include "forcefield/force_field.hpp"
 #include "named_scene.hpp"
 #include "simulation/open_run.hpp"
@@ -20,17 +21,17 @@ namespace fs = std::filesystem;
 
 struct Stop {};
 
-// Calls work(listen) with one that throws at the first call, then with one that throws at the second, third, fifth ..., as
-// long as any is reached. Returns how often `work` listens.
+// Does the work under a listener that throws at the first call, then under one that throws at the second, third, fifth ...,
+// as long as any is reached. Returns how often `work` hears.
 template <class Work>
 long count_stops(const Work& work) {
   for (long last = 1;; last += 1 + last / 2) {
     long calls = 0;
-    const Listen listen = [&] {
+    const ListenScope scope([&] {
       if (++calls == last) throw Stop{};
-    };
+    });
     try {
-      work(listen);
+      work();
       return calls;
     } catch (const Stop&) {
       EXPECT_EQ(calls, last);
@@ -47,7 +48,7 @@ SceneSource large_openmm() {
 TEST(Listening, EndsReadingOpenMMsFilesAnywhere) {
   const SceneSource source = large_openmm();
   const Vectors whole = source.read().start.x;
-  EXPECT_GT(count_stops([&](const Listen& listen) { EXPECT_EQ(source.read(listen).start.x, whole); }), 60);
+  EXPECT_GT(count_stops([&] { EXPECT_EQ(source.read().start.x, whole); }), 60);
 }
 
 // They may be larger than what room there is for temporary files.
@@ -77,17 +78,17 @@ using Listening_InAFolder = InAFolder;
 TEST_F(Listening_InAFolder, LeavesNoTemporaryFilesOfAScene) {
   const SceneSource source = source_of(scene_of("water"), {});
   ASSERT_EQ(source.files.size(), 2u);
-  EXPECT_GT(count_stops([&](const Listen& listen) { (void)source.read(listen); }), 5);
+  EXPECT_GT(count_stops([&] { (void)source.read(); }), 5);
   EXPECT_TRUE(fs::is_empty(folder_.path()));
 }
 
 // A run is opened after one that was stopped, and finds nothing of it.
 TEST_F(Listening_InAFolder, LeavesARunsFolderAsItWas) {
   const fs::path out = folder_.path() / "out";
-  const auto open = [&](const Listen& listen) {
+  const auto open = [&] {
     Scene scene = scene_of("water", {"run.minimise=true"});
-    RunRequest request{.folder = out, .threads = 1, .listen = listen};
-    request.source = source_of(scene, false, {"run.minimise=true"});
+    RunRequest request{.folder = out, .threads = 1};
+    request.source = source_of(scene, {"run.minimise=true"});
     request.scene = std::move(scene);
     EXPECT_FALSE(fs::exists(out));
     (void)open_run(std::move(request));
@@ -107,9 +108,9 @@ TEST_F(Listening_InAFolder, LeavesTheRunThatItWouldGoOnWith) {
     run.folder->begin(*run.simulation);
   }
   const std::vector<std::string> files = run_files(out);
-  const auto resume = [&](const Listen& listen) {
+  const auto resume = [&] {
     EXPECT_EQ(run_files(out), files);
-    (void)open_run({.mode = RunMode::kResume, .folder = out, .threads = 1, .listen = listen});
+    (void)open_run({.mode = RunMode::kResume, .folder = out, .threads = 1});
   };
   EXPECT_GT(count_stops(resume), 8);
 }
@@ -120,7 +121,7 @@ TEST_F(Listening_InAFolder, EndsReadingAStartAnywhere) {
   many.x = Vectors::Random(3, 3000), many.v = Vectors::Random(3, 3000);
   const fs::path file = folder_.path() / "a.start.toml";
   write_start(file, many);
-  EXPECT_GT(count_stops([&](const Listen& listen) { EXPECT_EQ(read_start(file, listen).x, many.x); }), 20);
+  EXPECT_GT(count_stops([&] { EXPECT_EQ(read_start(file).x, many.x); }), 20);
 }
 
 // Where an evaluation of forces has been ended, the next has the bits of one that follows none.
@@ -129,14 +130,15 @@ TEST(Listening, EndsForcesAnywhere) {
   State s = scene.start;
   ForceField(scene.system, s.box, scene.terms).evaluate(scene.system, s);
   const Vectors f = s.f;
-  const long stops = count_stops([&](const Listen& listen) {
+  const long stops = count_stops([&] {
     ForceField forces(scene.system, s.box, scene.terms);
     const auto expect_forces = [&] {
+      const ListenScope deaf;
       forces.evaluate(scene.system, s);
       EXPECT_EQ(s.f, f);
     };
     try {
-      (void)forces.evaluate_energy(scene.system, s, listen);
+      (void)forces.evaluate_energy(scene.system, s);
     } catch (const Stop&) {
       expect_forces();
       throw;
@@ -146,15 +148,13 @@ TEST(Listening, EndsForcesAnywhere) {
   EXPECT_GT(stops, 20) << "columns of clusters";
   ForceField listed(scene.system, s.box, scene.terms);
   listed.evaluate(scene.system, s);
-  EXPECT_GE(count_stops([&](const Listen& listen) { (void)listed.evaluate_energy(scene.system, s, listen); }),
-            4);
+  EXPECT_GE(count_stops([&] { (void)listed.evaluate_energy(scene.system, s); }), 4);
 }
 
 // What each builder is long at.
 TEST(Listening, EndsBuildingAnywhere) {
   const auto stops = [](const std::string& scene, const std::vector<std::string>& overrides) {
-    return count_stops(
-        [&](const Listen& listen) { (void)read_scene(find_scene(scene), overrides, {.listen = listen}); });
+    return count_stops([&] { (void)read_scene(find_scene(scene), overrides); });
   };
   EXPECT_GT(stops("water", {"build.molecules=500"}), 10) << "is cut and relaxed";
   EXPECT_GT(stops("decane", {"place.0.count=120"}), 120);

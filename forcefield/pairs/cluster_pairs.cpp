@@ -22,7 +22,7 @@ namespace taut {
 class ClusterPairs::Engine {
  public:
   virtual ~Engine() = default;
-  virtual void update_lists(const Vectors& x, const Box& box, const Listen& listen) = 0;
+  virtual void update_lists(const Vectors& x, const Box& box) = 0;
   virtual void add_forces(Vectors& f, Write write) = 0;
   virtual double energy() = 0;
   virtual Eigen::Matrix3d virial() = 0;
@@ -49,11 +49,11 @@ class EngineIn final : public ClusterPairs::Engine {
         clusters_(p_.layout()),
         aim_{p_.way, p_.spare, p_.outer / 2} {}
 
-  void update_lists(const Vectors& x, const Box& box, const Listen& listen) override {
+  void update_lists(const Vectors& x, const Box& box) override {
     if (p_.all_pairs() && x.cols() > 0) choose_unit(2 * spread(x), x.cwiseAbs().maxCoeff());
     const bool box_changed = p_.periodic && searched_in_box_ && box != clusters_.box();
     if (box_changed) follow_box(box);
-    if (!searched_in_box_ || !positions_within_margins(x) || box_changed) renew_lists(x, box, listen);
+    if (!searched_in_box_ || !positions_within_margins(x) || box_changed) renew_lists(x, box);
   }
 
   void add_forces(Vectors& f, ClusterPairs::Write write) override {
@@ -131,10 +131,10 @@ class EngineIn final : public ClusterPairs::Engine {
     return largest_of_shares([&](const Share& share) { return holds(share) ? 0.0 : 1.0; }) == 0;
   }
 
-  void renew_lists(const Vectors& x, const Box& box, const Listen& listen) {
+  void renew_lists(const Vectors& x, const Box& box) {
     const PartScope here(StepPart::kPrune);
     if (!searched_in_box_ || !look_ahead()) {
-      search_clusters(x, box, listen);
+      search_clusters(x, box);
       look_ahead();
     }
     prune_lists();
@@ -215,7 +215,7 @@ class EngineIn final : public ClusterPairs::Engine {
     });
   }
 
-  void search_clusters(const Vectors& x, const Box& box, const Listen& listen = {}) {
+  void search_clusters(const Vectors& x, const Box& box) {
     const PartScope here(StepPart::kPairSearch);
     searched_in_box_ = false;  // until it is done: an exception must not leave half a list
     check_positions(x);
@@ -238,7 +238,7 @@ class EngineIn final : public ClusterPairs::Engine {
     in_parallel(threads_, [&](int t) {
       const Share share = share_of(t);
       p_.all_pairs() ? search_[t].run_all(space_, triangle_share(t), triangle_share(t + 1), outer_[t])
-                     : search_[t].run(space_, share.begin, share.end, outer_[t], t == 0 ? listen : Listen());
+                     : search_[t].run(space_, share.begin, share.end, outer_[t]);
       shares_.count(t, outer_[t]);
     });
     shares_.add_up();
@@ -336,10 +336,10 @@ class MixedWithoutCutoff final : public ClusterPairs::Engine {
  public:
   explicit MixedWithoutCutoff(const PairProblem& problem) : mixed_(problem), double_(problem) {}
 
-  void update_lists(const Vectors& x, const Box& box, const Listen& listen) override {
+  void update_lists(const Vectors& x, const Box& box) override {
     constexpr double kWidest = 64;  // [nm]
     used_ = spread(x) <= kWidest ? static_cast<Engine*>(&mixed_) : &double_;
-    used_->update_lists(x, box, listen);
+    used_->update_lists(x, box);
     searches = mixed_.searches + double_.searches;
   }
   void add_forces(Vectors& f, ClusterPairs::Write write) override { used_->add_forces(f, write); }
@@ -375,8 +375,8 @@ ClusterPairs::~ClusterPairs() = default;
 ClusterPairs::ClusterPairs(ClusterPairs&&) noexcept = default;
 ClusterPairs& ClusterPairs::operator=(ClusterPairs&&) noexcept = default;
 
-void ClusterPairs::update_lists(const Vectors& x, const Box& box, const Listen& listen) {
-  engine_->update_lists(x, box, listen);
+void ClusterPairs::update_lists(const Vectors& x, const Box& box) {
+  engine_->update_lists(x, box);
 }
 void ClusterPairs::add_forces(Vectors& f, Write write) {
   engine_->add_forces(f, write);

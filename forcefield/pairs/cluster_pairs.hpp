@@ -3,7 +3,6 @@
 #include <memory>
 
 #include "base/archive.hpp"
-#include "base/listen.hpp"
 #include "forcefield/terms.hpp"
 #include "md/box.hpp"
 
@@ -34,8 +33,8 @@ class ClusterPairs {
   // Takes the positions and renews the lists where they no longer cover them. Throws SimulationFailure for a
   // position that is not finite or absurd (check_positions.hpp): of any atom when lists are made, of atoms
   // that have pairs at any time. A changed box makes new lists. Its shortest edge must be at least twice the
-  // cutoff. What listening throws in a search leaves no list, and the next call searches again.
-  void update_lists(const Vectors& x, const Box& box, const Listen& listen = {});
+  // cutoff. What hear() throws in a search leaves no list, and the next call searches again.
+  void update_lists(const Vectors& x, const Box& box);
   // The next three are at the positions of the last update_lists(). Forces and virial throw SimulationFailure where
   // two atoms are nearer to each other than their table begins; the energy is infinite.
   void add_forces(Vectors& f, Write write = Write::kAdd);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <tuple>
 
+#include "base/listen.hpp"
+
 namespace taut {
 namespace {
 
@@ -56,8 +58,7 @@ void ClusterSearch::find_exclusions(const SearchSpace& space, int begin, int end
   }
 }
 
-void ClusterSearch::run(const SearchSpace& space, int begin, int end, ClusterList& list,
-                        const Listen& listen) {
+void ClusterSearch::run(const SearchSpace& space, int begin, int end, ClusterList& list) {
   list.rows.clear();
   list.masked.clear();
   list.shells.clear();
@@ -77,7 +78,7 @@ void ClusterSearch::run(const SearchSpace& space, int begin, int end, ClusterLis
   auto own = std::partition_point(columns.begin(), columns.end(),
                                   [&](const AtomClusters::Column& c) { return c.end <= begin; });
   for (; own != columns.end() && own->begin < end; ++own) {
-    hear(listen);
+    hear();
     for (int up = -images; up <= images; ++up) {
       space.clusters.find_neighbours(*own, up, neighbours_);
       for (auto n = neighbours_.begin(); n != neighbours_.end();) {

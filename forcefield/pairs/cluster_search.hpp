@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "base/adjacency.hpp"
-#include "base/listen.hpp"
 #include "base/vectors.hpp"
 #include "forcefield/pairs/atom_clusters.hpp"
 #include "forcefield/pairs/cluster_list.hpp"
@@ -34,7 +33,7 @@ struct SearchSpace {
 class ClusterSearch {
  public:
   // Lists the rows of four atoms of the clusters begin … end − 1.
-  void run(const SearchSpace& space, int begin, int end, ClusterList& list, const Listen& listen = {});
+  void run(const SearchSpace& space, int begin, int end, ClusterList& list);
   // Where every pair counts: the rows of row_atoms atoms of those clusters. list.clusters becomes 0, 1, 2, …
   void run_all(const SearchSpace& space, int begin_cluster, int end_cluster, ClusterList& list);
 

@@ -51,10 +51,7 @@ void translate(std::exception_ptr thrown) {
 // Reads a scene from its text. A start that the scene names is read from the disk.
 Input of_toml(const std::string& text, const std::vector<std::string>& overrides) {
   const std::filesystem::path name = "scene.toml";
-  Listening listening;
-  Input input{read_scene(parse_toml_text(text, name, std::ref(listening)), name, overrides,
-                         {.listen = std::ref(listening)}),
-              {}};
+  Input input{read_scene(parse_toml_text(text, name), name, overrides), {}};
   std::vector<std::filesystem::path> files{std::move(input.scene.files)};
   input.scene.files.assign(files.begin() + 1, files.end());
   input.source = source_of(input.scene, overrides);
@@ -70,13 +67,12 @@ Input of_scene(const std::string& name_or_path, const std::vector<std::string>& 
 
 Input of_openmm(const std::string& system, const std::string& state, const std::string& names,
                 const std::vector<std::string>& overrides) {
-  Listening listening;
   SceneSource source{true, {}, overrides, {}};
   source.files.push_back({"openmm.system.xml", system});
   source.files.push_back({"openmm.state.xml", state});
-  listening();  // the texts are long
+  hear();  // the texts are long
   if (!names.empty()) source.files.push_back({"topology", names});
-  Scene scene = source.read(std::ref(listening));
+  Scene scene = source.read();
   return {std::move(scene), std::move(source)};
 }
 
@@ -87,6 +83,7 @@ auto on_threads(Input (*read)(const Given&...)) {
     if (threads) expect_threads("threads", *threads);
     const ThreadScope scope(threads ? *threads : default_threads());
     const py::gil_scoped_release interpreter;
+    const ListenScope interrupted{Interrupts()};
     return read(given...);
   };
 }

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "base/listen.hpp"
 #include "base/threads.hpp"
 #include "simulation/simulation.hpp"
 #include "systems/scene/scene_source.hpp"
@@ -26,7 +27,7 @@ struct Input {
 };
 
 // Checks for Ctrl-C every 50 ms in work that has released Python's interpreter lock, and throws if it came.
-class Listening {
+class Interrupts {
  public:
   void operator()() {
     look([] {});

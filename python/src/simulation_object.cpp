@@ -26,9 +26,9 @@ struct Busy {
 };
 
 // Tells how far a minimisation is, too.
-class ListeningToMoves : Listening {
+class InterruptsAndMoves : Interrupts {
  public:
-  explicit ListeningToMoves(const py::object* progress) : progress_(progress) {}
+  explicit InterruptsAndMoves(const py::object* progress) : progress_(progress) {}
 
   void operator()(const Minimised& so_far) {
     look([&] {
@@ -55,8 +55,8 @@ OpenRun open_new_run(Input input, const std::string& out, bool overwrite) {
                      .threads = input.threads,
                      .names = option_names(),
                      .scene = std::move(input.scene),
-                     .source = std::move(input.source),
-                     .listen = Listening()};
+                     .source = std::move(input.source)};
+  const ListenScope interrupted{Interrupts()};
   const py::gil_scoped_release interpreter;
   return open_run(std::move(request));
 }
@@ -65,7 +65,7 @@ OpenRun open_resumed_run(RunRequest request, const py::list& forces) {
   if (request.threads) expect_threads("threads", *request.threads);
   request.names = option_names();
   request.forces = own_fields(forces);
-  request.listen = Listening();
+  const ListenScope interrupted{Interrupts()};
   const py::gil_scoped_release interpreter;
   return open_run(std::move(request));
 }
@@ -227,7 +227,8 @@ Minimised PythonSimulation::minimise(double force, long steps, const py::object&
   if (steps < 1 || steps > std::numeric_limits<int>::max())
     throw InputError(fmt::format("minimise(steps={}): expected 1 or more", steps));
   expect_finite();
-  set_out_anew({.force = force, .most_moves = static_cast<int>(steps), .listen = Listening()}, progress);
+  const ListenScope interrupted{Interrupts()};
+  set_out_anew({.force = force, .most_moves = static_cast<int>(steps)}, progress);
   return *run_.simulation->start_report().minimised;
 }
 
@@ -294,7 +295,8 @@ void PythonSimulation::change(const std::vector<std::string>& overrides) {
   take_over_changes();
   forget_python_error();
   try {
-    change_settings(*run_.simulation, run_.source, key_values(overrides), Listening());
+    const ListenScope interrupted{Interrupts()};
+    change_settings(*run_.simulation, run_.source, key_values(overrides));
   } catch (...) {
     rethrow_python_error();
     throw;
@@ -339,7 +341,7 @@ void PythonSimulation::set_out_anew(const MinimiseGoal& goal, const py::object& 
   try {
     std::optional<py::gil_scoped_release> long_work;
     if (goal.force > 0 && !run_.simulation->runs_foreign_code()) long_work.emplace();
-    run_.simulation->set_out_anew(x, v, goal, ListeningToMoves(&progress));
+    run_.simulation->set_out_anew(x, v, goal, InterruptsAndMoves(&progress));
   } catch (...) {
     rethrow_python_error();
     throw;

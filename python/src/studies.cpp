@@ -17,7 +17,7 @@ namespace {
 Scene scene_for(const Input& input, const char* study) {
   refuse_without_effect(study, input.source.overrides);
   const py::gil_scoped_release interpreter;
-  return prepared_for_study(input.scene, Listening());
+  return prepared_for_study(input.scene);
 }
 
 // Runs jobs one by one, checks for Ctrl-C between them, and tells `progress` how many of how many are done.
@@ -46,9 +46,8 @@ void replace(Number& number, const py::dict& asked, const char* key) {
 py::dict chart(const Input& input, const std::vector<std::string>& methods, const py::dict& asked,
                const std::string& folder, const py::object& progress) {
   const ThreadScope scope(input.threads);
+  const ListenScope interrupted{Interrupts()};
   ChartPlan plan{.scene = scene_for(input, "chart"), .methods = methods};
-  Listening listening;
-  plan.listen = std::ref(listening);
   if (asked["quick"].cast<bool>()) plan.make_quick();
   replace(plan.repeats, asked, "repeats");
   replace(plan.steps, asked, "steps");
@@ -65,9 +64,8 @@ py::dict chart(const Input& input, const std::vector<std::string>& methods, cons
 py::dict stability(const Input& input, const std::vector<std::string>& methods, const py::dict& asked,
                    const std::string& folder, const py::object& progress) {
   const ThreadScope scope(input.threads);
+  const ListenScope interrupted{Interrupts()};
   StabilityPlan plan{.scenes = {scene_for(input, "stability")}, .methods = methods};
-  Listening listening;
-  plan.listen = std::ref(listening);
   if (asked["quick"].cast<bool>()) plan.make_quick();
   replace(plan.plane_steps, asked, "steps"), replace(plan.step_steps, asked, "steps");
   replace(plan.broken_bond, asked, "bond_error"), replace(plan.broken_energy, asked, "energy_error");
@@ -90,9 +88,8 @@ py::dict course(const ErrorCourse& of) {
 
 py::dict calibrate_scene(const Input& input, const py::dict& asked) {
   const ThreadScope scope(input.threads);
+  const ListenScope interrupted{Interrupts()};
   CalibrationPlan plan;
-  Listening listening;
-  plan.listen = std::ref(listening);
   plan.against = asked["against"].cast<std::string>();
   plan.sweeps = asked["sweeps"].cast<int>();
   plan.copies = asked["copies"].cast<std::string>();
@@ -126,14 +123,13 @@ py::dict calibrate_scene(const Input& input, const py::dict& asked) {
 py::dict crosscheck_scene(const Input& input, const std::vector<std::string>& methods, const py::dict& asked,
                           const py::object& progress) {
   refuse_without_effect("crosscheck", input.source.overrides);
+  const ListenScope interrupted{Interrupts()};
   CrosscheckPlan plan;
   plan.platform = asked["platform"].cast<std::string>();
   plan.precision = asked["precision"].cast<std::string>();
   plan.integrator = asked["integrator"].cast<std::string>();
   plan.contestants = contestants(methods.empty() ? plan.usual_methods() : methods, plan.plugged());
   plan.speed_seconds = asked["speed_seconds"].cast<double>();
-  Listening listening;
-  plan.listen = std::ref(listening);
   replace(plan.agreement, asked, "agreement_nm");
   const auto tell = [&](const std::string& what) {
     const py::gil_scoped_acquire interpreter;

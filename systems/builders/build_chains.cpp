@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "base/listen.hpp"
 #include "base/random.hpp"
 #include "systems/builders/builders.hpp"
 #include "systems/builders/lattice.hpp"
@@ -83,7 +84,7 @@ void build_chains(const BuildRequest& request, Scene& scene) {
   if (polymer.beads - 1 > kMostWeighedBonds)
     scene.notes.emplace_back("start: bond directions drawn evenly, not by the rigid chain's own law");
   const auto directions = [&] {
-    hear(request.listen);
+    hear();
     return chain_directions(polymer.beads - 1, random);
   };
   place(polymer, directions, scene);

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "base/errors.hpp"
+#include "base/listen.hpp"
 #include "md/largest_system.hpp"
 #include "systems/builders/builders.hpp"
 #include "systems/builders/lammps_pairs.hpp"
@@ -37,16 +38,16 @@ constexpr AtomColumns kAtomColumns[] = {{"atomic", "type x y z", 1, 0, 2},
 
 class LammpsScene {
  public:
-  LammpsScene(const LammpsRows& rows, const LammpsPairRows& pairs, Scene& scene, const Listen& listen)
+  LammpsScene(const LammpsRows& rows, const LammpsPairRows& pairs, Scene& scene)
       : rows_(rows), keys_(rows.keys), said_(rows.said), data_(rows.data), scene_(scene) {
     using Part = LammpsScene;
     for (const auto read : {&Part::read_atoms, &Part::read_velocities, &Part::read_bonds, &Part::read_angles,
                             &Part::read_dihedrals, &Part::read_impropers}) {
-      hear(listen);
+      hear();
       (this->*read)();
     }
     scene.system = make_system(mass_, bonds_);
-    hear(listen);
+    hear();
     make_whole(tethers(scene.system, scene.terms), scene.start, scene.system);
     read_lammps_pairs(rows, pairs, {type_, charge_, fene_.empty()}, scene);
     name_atoms();
@@ -295,9 +296,9 @@ void build_lammps(const BuildRequest& request, Scene& scene) {
   request.forcefield.read("pair", pair,
                           {"the force between atoms: purely repulsive, or not", {"wca", "lennard-jones"}});
   if (request.keys.describing()) return read_cutoff(request.forcefield, {}, scene.terms.nonbonded.emplace());
-  const LammpsRows rows{request.keys, said, read_lammps_data(said.file, request.listen)};
+  const LammpsRows rows{request.keys, said, read_lammps_data(said.file)};
   const LammpsPairRows pairs = read_lammps_pair_rows(rows);
-  const LammpsScene built(rows, pairs, scene, request.listen);
+  const LammpsScene built(rows, pairs, scene);
   if (pair == "wca") {
     if (!scene.terms.nonbonded)
       request.forcefield.fail("pair", "no atom type has an ε: there are no pair forces");

@@ -5,6 +5,7 @@
 #include <limits>
 #include <set>
 
+#include "base/listen.hpp"
 #include "forcefield/force_field.hpp"
 #include "md/largest_system.hpp"
 #include "md/units.hpp"
@@ -30,7 +31,6 @@ class Builder {
  public:
   Builder(const BuildRequest& request, std::vector<Placement>& placements, const Box& box)
       : root_(request.root),
-        listen_(request.listen),
         placements_(placements),
         box_(box),
         may_overlap_(request.run.minimise && request.run.soft_start),
@@ -97,7 +97,7 @@ class Builder {
     const int each = placement.molecule->atoms();
     placement.x.resize(3, each * placement.count);
     for (long m = 0; m < placement.count; ++m) {
-      hear(listen_);
+      hear();
       const auto copy = placing.place_copy(of(placement), [&] { return where(m); });
       if (!copy)
         root_.fail("place", k,
@@ -122,7 +122,7 @@ class Builder {
     State water;
     std::vector<Eigen::Index> there;
     for (double crowd = 1; crowd < 1.3; crowd += 0.05) {
-      hear(listen_);
+      hear();
       water = cut(bulk, box_, std::lround(crowd * usual));
       there = placing.list_fitting(of(placement), water.x, 3);
       if (std::ssize(there) >= placement.count) break;
@@ -134,7 +134,7 @@ class Builder {
                  fmt::format("there is room for {} waters, not for {}: take a wider box", there.size(),
                              placement.count));
     drawn_ = drawn_ || std::ssize(there) > placement.count;
-    hear(listen_);
+    hear();
     while (std::ssize(there) > placement.count)
       there.erase(there.begin() + static_cast<long>(random_.uniform() * static_cast<double>(there.size())));
     Vectors atoms(3, 3 * placement.count);
@@ -166,7 +166,6 @@ class Builder {
   const Conformations& of(const Placement& placement) const { return conformations_.at(placement.molecule); }
 
   const TomlTable& root_;
-  const Listen& listen_;
   std::vector<Placement>& placements_;
   const Box box_;
   const bool may_overlap_;
@@ -296,7 +295,7 @@ bool settle_water(const BuildRequest& request, const std::vector<Placement>& pla
     first = last;
   }
   ForceField forces(scene.system, scene.start.box, scene.terms);
-  return relax(scene.system, forces, waters, energy, scene.start, request.listen);
+  return relax(scene.system, forces, waters, energy, scene.start);
 }
 
 // The box that a run of the scene has reached, where an override names its start; and where the scene gives a density,
@@ -369,9 +368,9 @@ void build_molecules(const BuildRequest& request, Scene& scene) {
     return;
   const Builder built(request, placements, scene.start.box);
 
-  hear(request.listen);
+  hear();
   assemble_placements(placements, scene);
-  hear(request.listen);
+  hear();
   scene.start.x.resize(3, scene.system.atoms());
   scene.start.v = Vectors::Zero(3, scene.system.atoms());
   Eigen::Index first = 0;

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "base/listen.hpp"
 #include "base/random.hpp"
 #include "systems/builders/builders.hpp"
 #include "systems/builders/lattice.hpp"
@@ -79,7 +80,7 @@ class WaterSource {
     if (keys_.read("start", file,
                    "equilibrated waters of any model in a box, of which n³ times as many are tiled, and any "
                    "other number and droplets cut; or a droplet, for one of as many"))
-      start_ = read_start(file, request.listen);
+      start_ = read_start(file);
     keys_.read("density_g_cm3", density,
                {"of a lattice of molecules; required without a start", "g/cm³", kPositive});
     unit_ = read_box_shape(keys_);
@@ -181,8 +182,7 @@ void settle(const BuildRequest& request, const WaterModel& model, const WaterSou
                                              request.forcefield);
   ForceField forces(scene.system, scene.start.box, scene.terms);
   const RigidMolecules waters{0, scene.system.atoms(), model.atoms()};
-  if (!relax(scene.system, forces, {waters}, each * static_cast<double>(waters.count()), scene.start,
-             request.listen))
+  if (!relax(scene.system, forces, {waters}, each * static_cast<double>(waters.count()), scene.start))
     scene.notes.emplace_back(
         "start: cut from equilibrated water, whose faces do not settle here: it heats up; run.minimise = "
         "true");
@@ -203,9 +203,9 @@ void build_water(const BuildRequest& request, Scene& scene) {
   if (keys.describing()) return read_cutoff(request.forcefield, {}, scene.terms.nonbonded.emplace());
   const State waters =
       box ? source.box_of(molecules, scene.notes) : source.droplet_of(molecules, scene.notes);
-  hear(request.listen);
+  hear();
   fill(model, waters, scene);
-  hear(request.listen);
+  hear();
   read_cutoff(request.forcefield, scene.start.box, *scene.terms.nonbonded);
   scene.positions_drawn = source.drawn();
   if (source.is_cut()) settle(request, model, source, scene);

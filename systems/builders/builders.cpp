@@ -87,7 +87,7 @@ std::vector<std::string_view> kinds() {
 std::optional<State> read_named_start(const BuildRequest& request) {
   std::filesystem::path file;
   if (!request.keys.read("start", file, "positions and velocities, of a run of the same scene")) return {};
-  return read_start(file, request.listen);
+  return read_start(file);
 }
 
 bool take_start(const BuildRequest& request, State start, Scene& scene) {

@@ -17,7 +17,6 @@ struct BuildRequest {
   const TomlTable& keys;        // [build]
   const TomlTable& forcefield;  // [forcefield]
   const RunSettings& run;
-  Listen listen = {};                // called while files are read and atoms placed
   std::vector<WallKeys> walls = {};  // of every [[wall]]; build() reads and makes them
 };
 

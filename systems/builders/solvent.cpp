@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "base/listen.hpp"
 #include "systems/builders/lattice.hpp"
 #include "systems/molecules/occupied_space.hpp"
 
@@ -133,14 +134,14 @@ State cut(const State& unit, const Box& box, long molecules) {
 }
 
 bool relax(const System& sys, ForceField& forces, const std::vector<RigidMolecules>& molecules, double energy,
-           State& s, const Listen& listen) {
+           State& s) {
   s.f.resizeLike(s.x);
-  double now = forces.evaluate_energy(sys, s, listen), far = 1e-5;  // [nm per kJ/mol/nm]
+  double now = forces.evaluate_energy(sys, s), far = 1e-5;  // [nm per kJ/mol/nm]
   State next = s;
   double slack = 0;
   for (const RigidMolecules& of : molecules) slack += kSlack * static_cast<double>(of.count());
   for (int move = 0; move < kMostMoves && now > energy + slack; ++move) {
-    hear(listen);
+    hear();
     for (const auto& [first, last, each] : molecules)
       for (Eigen::Index m = first; m < last; m += each) {
         const auto x = s.x.middleCols(m, each), f = s.f.middleCols(m, each);
@@ -155,7 +156,7 @@ bool relax(const System& sys, ForceField& forces, const std::vector<RigidMolecul
         next.x.middleCols(m, each) =
             (turned * (x.colwise() - middle)).colwise() + (middle + longest * far * force);
       }
-    const double there = forces.evaluate_energy(sys, next, listen);
+    const double there = forces.evaluate_energy(sys, next);
     if (!(there < now) || there < energy - slack) {
       far *= there < now ? (now - energy) / (now - there) : 0.5;
       continue;

@@ -2,7 +2,6 @@
 
 #include <vector>
 
-#include "base/listen.hpp"
 #include "forcefield/force_field.hpp"
 #include "md/state.hpp"
 
@@ -34,6 +33,6 @@ struct RigidMolecules {
   Eigen::Index count() const { return (last - first) / each; }
 };
 bool relax(const System& sys, ForceField& forces, const std::vector<RigidMolecules>& molecules, double energy,
-           State& s, const Listen& listen = {});
+           State& s);
 
 }  // namespace taut

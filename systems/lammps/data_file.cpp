@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include "base/errors.hpp"
+#include "base/listen.hpp"
 
 namespace taut {
 namespace {
@@ -48,7 +49,7 @@ bool is_number(const std::string& word) {
 
 class Reader {
  public:
-  Reader(const std::filesystem::path& file, const Listen& listen) : in_(file), listen_(listen) {
+  explicit Reader(const std::filesystem::path& file) : in_(file) {
     data_.file = file.string();
     if (!std::filesystem::is_regular_file(file) || !in_) throw InputError(data_.file + ": no such file");
   }
@@ -72,7 +73,7 @@ class Reader {
  private:
   bool next() {
     std::string text;
-    listen_();
+    hear_sometimes_();
     if (!std::getline(in_, text)) return false;
     ++line_;
     const auto hash = text.find('#');
@@ -137,7 +138,7 @@ class Reader {
   }
 
   std::ifstream in_;
-  ListenSometimes listen_;
+  HearSometimes hear_sometimes_;
   std::size_t line_ = 0;
   std::vector<std::string> words_, comment_;
   LammpsData data_;
@@ -179,8 +180,8 @@ int LammpsData::index(const Entry& entry, std::size_t at, const char* what, long
   return static_cast<int>(value);
 }
 
-LammpsData read_lammps_data(const std::filesystem::path& file, const Listen& listen) {
-  return Reader(file, listen).read();
+LammpsData read_lammps_data(const std::filesystem::path& file) {
+  return Reader(file).read();
 }
 
 }  // namespace taut

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "base/listen.hpp"
 #include "base/vectors.hpp"
 #include "md/box.hpp"
 
@@ -40,6 +39,6 @@ struct LammpsData {
 
 // Reads a data file as write_data writes it. Throws InputError, one line with file and line, for a section that is
 // not known, a number of entries other than the header's, and a box that is not in reduced form.
-LammpsData read_lammps_data(const std::filesystem::path& file, const Listen& listen = {});
+LammpsData read_lammps_data(const std::filesystem::path& file);
 
 }  // namespace taut

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/adjacency.hpp"
+#include "base/listen.hpp"
 #include "systems/molecules/whole_molecules.hpp"
 
 namespace taut {
@@ -151,17 +152,17 @@ void for_each_image(const Ring& one, const Ring& two, bool periodic, Act act) {
 
 }  // namespace
 
-LinkedRings find_linked_rings(const System& sys, const Terms& terms, const State& s, const Listen& listen) {
+LinkedRings find_linked_rings(const System& sys, const Terms& terms, const State& s) {
   std::vector<Ring> rings;
   for (const auto& atoms : rings_of(sys.atoms(), Adjacency(sys.atoms(), drawn_bonds(sys, terms))))
     if (sys.reach_of(atoms[0]) == Reach::kWhole) rings.push_back(place_ring(atoms, s.box, s.x));
   const Eigen::Matrix3d axes = odd_axes();
   LinkedRings found{.rings = static_cast<int>(rings.size())};
   for (std::size_t i = 0; i < rings.size(); ++i) {
-    hear(listen);
+    hear();
     for (std::size_t j = i; j < rings.size(); ++j)
       for_each_image(rings[i], rings[j], s.box.periodic(), [&](const Vec3& n) {
-        hear(listen);
+        hear();
         const Vectors image = rings[j].x.colwise() + s.box.lattice_vector(n);
         if (linking_number(axes * rings[i].x, axes * image) == 0) return;
         if (found.pairs++ == 0) found.atom_of_one = rings[i].atom, found.atom_of_other = rings[j].atom;
@@ -170,10 +171,9 @@ LinkedRings find_linked_rings(const System& sys, const Terms& terms, const State
   return found;
 }
 
-std::string linked_rings_message(const System& sys, const Terms& terms, const State& s,
-                                 const Listen& listen) {
+std::string linked_rings_message(const System& sys, const Terms& terms, const State& s) {
   if (!terms.nonbonded && !terms.wca && !terms.tabulated_pairs) return "";
-  const auto& [rings, pairs, one, other] = find_linked_rings(sys, terms, s, listen);
+  const auto& [rings, pairs, one, other] = find_linked_rings(sys, terms, s);
   if (pairs == 0) return "";
   return fmt::format(
       "{} of the {} rings {} linked, the first those of atoms {} and {}, and stay{} so; to place them "

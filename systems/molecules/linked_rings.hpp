@@ -2,7 +2,6 @@
 
 #include <string>
 
-#include "base/listen.hpp"
 #include "forcefield/terms.hpp"
 #include "md/state.hpp"
 #include "md/system.hpp"
@@ -16,11 +15,9 @@ struct LinkedRings {
   int rings = 0, pairs = 0;                // pairs that are linked, each image of a ring counted apart
   int atom_of_one = 0, atom_of_other = 0;  // of the first pair
 };
-LinkedRings find_linked_rings(const System& sys, const Terms& terms, const State& s,
-                              const Listen& listen = {});
+LinkedRings find_linked_rings(const System& sys, const Terms& terms, const State& s);
 
 // Says how many are linked and what to do; empty if none is, or if no pair force keeps bonds from passing.
-std::string linked_rings_message(const System& sys, const Terms& terms, const State& s,
-                                 const Listen& listen = {});
+std::string linked_rings_message(const System& sys, const Terms& terms, const State& s);
 
 }  // namespace taut

@@ -6,6 +6,7 @@
 #include <deque>
 
 #include "base/errors.hpp"
+#include "base/listen.hpp"
 #include "files/text_file.hpp"
 #include "forcefield/bonded/tabulated.hpp"
 #include "forcefield/check_terms.hpp"
@@ -265,7 +266,7 @@ OpenMMInput read_openmm(const XmlFile& system_file, const XmlFile& state_file) {
   const System atoms = read_atoms(system.part("Particles"));
   std::vector<RigidBond> constraints;
   read_list(system, constraints, atoms.atoms());
-  system_file.hear();
+  hear();
   add_bonds(system.part("Constraints"), atoms, constraints, input);
   read_start(state, input);
 
@@ -274,7 +275,7 @@ OpenMMInput read_openmm(const XmlFile& system_file, const XmlFile& state_file) {
   input.start.box = box_of(forces, system, state);
   const auto of_each = [&](const auto& act) {
     for (PlacedForce& f : forces) {
-      system_file.hear();
+      hear();
       of_force(f, [&] { act(f); });
     }
   };
@@ -316,7 +317,7 @@ Scene import_openmm(const std::filesystem::path& system_xml, const std::filesyst
 
 Scene import_openmm(const XmlFile& system, const XmlFile& state) {
   OpenMMInput input = read_openmm(system, state);
-  system.hear();
+  hear();
   Scene scene;
   scene.name = scene_name(system.path());
   scene.files = {system.path(), state.path()};

@@ -31,6 +31,6 @@ struct OpenMMInput {
 
 // Reads the files for import_openmm(). Needs no OpenMM.
 OpenMMInput read_openmm(const std::filesystem::path& system_xml, const std::filesystem::path& state_xml);
-OpenMMInput read_openmm(const XmlFile& system, const XmlFile& state);  // listens as `system` does
+OpenMMInput read_openmm(const XmlFile& system, const XmlFile& state);
 
 }  // namespace taut

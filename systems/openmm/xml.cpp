@@ -41,11 +41,11 @@ bool contains(const std::vector<std::string_view>& names, std::string_view name)
 
 }  // namespace
 
-XmlFile::XmlFile(const std::filesystem::path& path, const std::string& type, const Listen& listen)
-    : XmlFile(path, whole_text(path, listen), type, listen) {}
+XmlFile::XmlFile(const std::filesystem::path& path, const std::string& type)
+    : XmlFile(path, whole_text(path), type) {}
 
-XmlFile::XmlFile(std::filesystem::path path, std::string text, const std::string& type, const Listen& listen)
-    : path_(std::move(path)), text_(std::move(text)), listen_(listen) {
+XmlFile::XmlFile(std::filesystem::path path, std::string text, const std::string& type)
+    : path_(std::move(path)), text_(std::move(text)) {
   if (text_.size() > kLongestText) refuse(fmt::format("is over {} GiB, expected less", kLongestText >> 30));
   if (const auto at = text_.find('\0'); at != text_.npos)
     refuse_at(static_cast<std::ptrdiff_t>(at), "not whole XML: a character 0");
@@ -70,6 +70,7 @@ void XmlFile::check_tree() const {
   const pugi::xml_node top = document_.first_child();
   if (!top) refuse_at(0, "not whole XML: there is no element");
   int depth = 0;
+  HearSometimes hear_sometimes;
   for (pugi::xml_node node = top; node;) {
     hear_sometimes();
     if (node.type() != pugi::node_element)

@@ -20,22 +20,19 @@ namespace taut {
 class Element;
 
 // An XML file with one root element of type "System" or "State". Its depth is limited, so that recursive
-// readers are safe. `listen` is called while it is read, and later by all that goes through long lists of its
-// elements. The parser itself does not listen.
+// readers are safe. The parser itself hears nothing.
 class XmlFile {
  public:
   // Throws InputError, one line that names file and line.
-  XmlFile(const std::filesystem::path& path, const std::string& type, const Listen& listen = {});
+  XmlFile(const std::filesystem::path& path, const std::string& type);
   // The same of a text; the path is for messages.
-  XmlFile(std::filesystem::path path, std::string text, const std::string& type, const Listen& listen = {});
+  XmlFile(std::filesystem::path path, std::string text, const std::string& type);
   XmlFile(const XmlFile&) = delete;
   XmlFile& operator=(const XmlFile&) = delete;
 
   Element root() const;
   const std::string& text() const { return text_; }
   const std::filesystem::path& path() const { return path_; }
-  void hear() const { taut::hear(listen_); }
-  void hear_sometimes() const { hear_(); }
 
   [[noreturn]] void refuse(const std::string& why) const;  // throws InputError "path: why"
   [[noreturn]] void refuse_at(std::ptrdiff_t offset, const std::string& why) const;  // "path:line: why"
@@ -46,8 +43,6 @@ class XmlFile {
   std::filesystem::path path_;
   std::string text_;
   pugi::xml_document document_;
-  Listen listen_;
-  mutable ListenSometimes hear_{listen_};
 };
 
 // An attribute and the variable for its value. Numbers must be finite, flags 0 or 1.
@@ -100,10 +95,11 @@ class Element {
   // The same for an element that may have attributes.
   template <class Use>
   void each_of(std::string_view name, Use use) const {
+    HearSometimes hear_sometimes;
     for (const pugi::xml_node node : node_.children()) {
       const Element element(*file_, node, within_);
       if (element.name() != name) element.refuse_as_unknown(this->name());
-      file_->hear_sometimes();
+      hear_sometimes();
       use(element);
     }
   }

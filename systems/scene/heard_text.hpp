@@ -8,11 +8,11 @@
 
 namespace taut {
 
-// Gives a parser a text piece by piece, and listens before each. What listening throws ends the text, and is to be
+// Gives a parser a text piece by piece, and calls hear() before each. What that throws ends the text, and is to be
 // thrown again when the parser is through: it would take it for an error of its own.
 class HeardText : public std::streambuf {
  public:
-  HeardText(std::string_view text, const Listen& listen) : text_(text), listen_(listen) {}
+  explicit HeardText(std::string_view text) : text_(text) {}
 
   void rethrow() const {
     if (thrown_) std::rethrow_exception(thrown_);
@@ -24,7 +24,7 @@ class HeardText : public std::streambuf {
   int_type underflow() override {
     if (begun_ == text_.size() || thrown_) return traits_type::eof();
     try {
-      hear(listen_);
+      hear();
     } catch (...) {
       thrown_ = std::current_exception();
       return traits_type::eof();
@@ -51,7 +51,6 @@ class HeardText : public std::streambuf {
 
   std::string_view text_;
   std::size_t begun_ = 0;  // bytes that were given, or are in the present piece
-  const Listen& listen_;
   std::exception_ptr thrown_;
 };
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/errors.hpp"
+#include "base/listen.hpp"
 #include "base/nearest_name.hpp"
 #include "forcefield/bonded/tabulated.hpp"
 #include "forcefield/force_field.hpp"
@@ -191,8 +192,8 @@ Scene read_parsed(const std::filesystem::path& file, toml::table base, toml::tab
   const TomlTable build_keys = root.section("build"), forcefield_keys = root.section("forcefield");
   const TomlTable run_keys = root.section("run");
   root.reject_unknown();
-  build({root, build_keys, forcefield_keys, scene.run, how.listen}, scene);
-  hear(how.listen);
+  build({root, build_keys, forcefield_keys, scene.run}, scene);
+  hear();
   read_biases(root, scene);
   read_motions(root, scene);
   const std::string usual(usual_method(scene.system));
@@ -287,7 +288,7 @@ std::vector<Key> every_key() {
 
 Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides,
                  const SceneReading& how) {
-  return read_scene(parse_toml_file(file, how.listen), file, overrides, how);
+  return read_scene(parse_toml_file(file), file, overrides, how);
 }
 
 Scene read_scene(toml::table&& table, const std::filesystem::path& file,

@@ -8,7 +8,6 @@
 #include <string_view>
 #include <vector>
 
-#include "base/listen.hpp"
 #include "systems/scene/keys.hpp"
 #include "systems/scene/scene.hpp"
 
@@ -36,7 +35,6 @@ namespace taut {
 struct SceneReading {
   std::vector<std::filesystem::path> files{};  // replacements for the files that the scene names
   KeysRead* keys = nullptr;                    // receives every key that is read, with its value and source
-  Listen listen{};                             // called while files are read and atoms placed
 };
 Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides = {},
                  const SceneReading& how = {});

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "base/errors.hpp"
+#include "base/listen.hpp"
 #include "files/folder.hpp"
 #include "files/text_file.hpp"
 #include "systems/openmm/import.hpp"
@@ -83,28 +84,28 @@ Names read_names(const SceneSource::File& file, int atoms) {
 }
 
 // OpenMM's files may be large, and are read where they are.
-Scene read_openmm_files(const SceneSource& source, const Listen& listen) {
+Scene read_openmm_files(const SceneSource& source) {
   const auto& files = source.files;
   if (files.size() != 2 && files.size() != 3) throw InputError("the files of the scene are not all there");
-  const XmlFile system(name_alone(files[0]), files[0].text, "System", listen);
-  const XmlFile state(name_alone(files[1]), files[1].text, "State", listen);
+  const XmlFile system(name_alone(files[0]), files[0].text, "System");
+  const XmlFile state(name_alone(files[1]), files[1].text, "State");
   Scene scene = import_openmm(system, state);
   if (files.size() == 3) scene.names = read_names(files[2], scene.system.atoms());
-  hear(listen);
+  hear();
   apply_overrides(scene, source.overrides);
   return scene;
 }
 
 }  // namespace
 
-Scene SceneSource::read(const Listen& listen) const {
-  if (openmm) return read_openmm_files(*this, listen);
+Scene SceneSource::read() const {
+  if (openmm) return read_openmm_files(*this);
   if (files.empty()) throw InputError("the files of the scene are not all there");
-  hear(listen);
+  hear();
   const Unpacked unpacked(files);
   const auto& paths = unpacked.paths;
   try {
-    return read_scene(paths[0], overrides, {.files = {paths.begin() + 1, paths.end()}, .listen = listen});
+    return read_scene(paths[0], overrides, {.files = {paths.begin() + 1, paths.end()}});
   } catch (const InputError& e) {
     throw InputError(unpacked.named(e.what()));
   }

@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "base/listen.hpp"
 #include "systems/scene/scene.hpp"
 
 namespace taut {
@@ -23,7 +22,7 @@ struct SceneSource {
   std::vector<std::string> own = {};   // names of forces that are code, which a reader must supply
 
   // Without these forces. Throws InputError.
-  Scene read(const Listen& listen = {}) const;
+  Scene read() const;
   void bring(const std::vector<std::shared_ptr<OwnField>>& fields, Scene& scene) const;  // throws InputError
 };
 

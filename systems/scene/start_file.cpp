@@ -49,8 +49,8 @@ Box read_box_shape(const TomlTable& keys) {
   return {Vec3::Ones()};
 }
 
-State read_start(const std::filesystem::path& file, const Listen& listen) {
-  return read_start(parse_toml_file(file, listen), file);
+State read_start(const std::filesystem::path& file) {
+  return read_start(parse_toml_file(file), file);
 }
 
 State read_start(const toml::table& table, const std::filesystem::path& file) {

@@ -14,7 +14,7 @@ namespace taut {
 //     atoms = [ [x, y, z, vx, vy, vz], ... ]  [nm], [nm/ps]; positions are never wrapped
 // Numbers have all digits and read back exactly. Forces are not stored. Throws InputError with one line that
 // names file, line and key.
-State read_start(const std::filesystem::path& file, const Listen& listen = {});
+State read_start(const std::filesystem::path& file);
 State read_start(const TomlTable& keys);
 State read_start(const toml::table& table, const std::filesystem::path& file);  // already parsed
 

@@ -372,18 +372,18 @@ std::filesystem::path path_of(const toml::value<std::string>& name) {
   return (in_file ? std::filesystem::path(*source).parent_path() : std::filesystem::path()) / name.get();
 }
 
-toml::table parse_toml_file(const std::filesystem::path& file, const Listen& listen) {
+toml::table parse_toml_file(const std::filesystem::path& file) {
   std::error_code unreadable;
   if (!std::filesystem::exists(file, unreadable)) throw LocatedError(file.string() + ": no such file");
   if (!std::filesystem::is_regular_file(file, unreadable)) throw LocatedError(file.string() + ": not a file");
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw LocatedError(file.string() + ": cannot be read");
   const std::string text(std::istreambuf_iterator<char>(stream), {});
-  return parse_toml_text(text, file, listen);
+  return parse_toml_text(text, file);
 }
 
-toml::table parse_toml_text(std::string_view text, const std::filesystem::path& file, const Listen& listen) {
-  HeardText pieces(text, listen);
+toml::table parse_toml_text(std::string_view text, const std::filesystem::path& file) {
+  HeardText pieces(text);
   try {
     std::istream stream(&pieces);
     toml::table table = toml::parse(stream, file.string());

@@ -17,7 +17,6 @@
 #include <vector>
 
 #include "base/errors.hpp"
-#include "base/listen.hpp"
 #include "base/range.hpp"
 #include "base/vectors.hpp"
 #include "systems/scene/keys.hpp"
@@ -157,9 +156,8 @@ std::string value_text(const toml::node& node);  // as TOML text in one line
 // A path is relative to the file that says it, in an override to the current folder.
 std::filesystem::path path_of(const toml::value<std::string>& name);
 
-toml::table parse_toml_file(const std::filesystem::path& file, const Listen& listen = {});
-toml::table parse_toml_text(std::string_view text, const std::filesystem::path& file,  // file: for messages
-                            const Listen& listen = {});
+toml::table parse_toml_file(const std::filesystem::path& file);
+toml::table parse_toml_text(std::string_view text, const std::filesystem::path& file);  // file: for messages
 
 // Parses "run.dt_fs=2", a dotted key and a value as in TOML, except that a word needs no quotes.
 toml::table parse_overrides(const std::vector<std::string>& overrides);
