@@ -109,53 +109,20 @@ TEST(Bias, FreeBeadsFollowAMovingCentre) {
 }
 
 // Four loose molecules in a box, under a bias of each kind, one of which moves.
-const std::string kFourBiases = R"([molecule.chain]
+const std::string kFourBiases =
+    R"(place = [{molecule = "chain", count = 8, within_nm = [1, 1, 1, 2.6, 2.6, 2.6]}]
+bias = [{name = "apart", variable = "distance", groups = [[0, 1, 2], "12-23"], rate_nm_ps = 0.02, k_kj_mol_nm2 = 500},
+  {variable = "angle", groups = ["0-5", "6-11", "12-17"], at_least_deg = 70, at_most_deg = 100, k_kj_mol_rad2 = 80},
+  {variable = "torsion", groups = [0, 2, 3, 5], at_deg = 170, k_kj_mol_rad2 = 5},
+  {name = "size", variable = "gyration", groups = ["24-29"], at_most_nm = 0.3, k_kj_mol_nm2 = 900},
+  {variable = "distance", groups = [[-1], [-12]], along = [1, 0, 0], force_kj_mol_nm = 0.5}]
+build = {box_nm = 4}
+forcefield = {cutoff_nm = 1, switch_nm = 0.9}
+run = {dt_fs = 1, steps = 2000, log_every = 100, temperature_k = 300, minimise = true}
+[molecule.chain]
 atoms = [{name = "A", mass_u = 12, sigma_nm = 0.3, epsilon_kj_mol = 0.5}, {name = "B", mass_u = 20, sigma_nm = 0.3, epsilon_kj_mol = 0.5}]
 units = 3
 bonds = [[0, 1, 0.25], [1, 2, 0.25]]
-[[place]]
-molecule = "chain"
-count = 8
-within_nm = [1, 1, 1, 2.6, 2.6, 2.6]
-[[bias]]
-name = "apart"
-variable = "distance"
-groups = [[0, 1, 2], "12-23"]
-rate_nm_ps = 0.02
-k_kj_mol_nm2 = 500
-[[bias]]
-variable = "angle"
-groups = ["0-5", "6-11", "12-17"]
-at_least_deg = 70
-at_most_deg = 100
-k_kj_mol_rad2 = 80
-[[bias]]
-variable = "torsion"
-groups = [0, 2, 3, 5]
-at_deg = 170
-k_kj_mol_rad2 = 5
-[[bias]]
-name = "size"
-variable = "gyration"
-groups = ["24-29"]
-at_most_nm = 0.3
-k_kj_mol_nm2 = 900
-[[bias]]
-variable = "distance"
-groups = [[-1], [-12]]
-along = [1, 0, 0]
-force_kj_mol_nm = 0.5
-[build]
-box_nm = 4
-[forcefield]
-cutoff_nm = 1
-switch_nm = 0.9
-[run]
-dt_fs = 1
-steps = 2000
-log_every = 100
-temperature_k = 300
-minimise = true
 )";
 
 TEST(Bias, KeepsTheEnergyLessTheWorkOfMovingWalls) {
@@ -205,21 +172,11 @@ TEST(Bias, ReadsGroupsBySpansIndicesAndNames) {
 
 // Two molecules of one group on both sides of the box's face have their centre at the face.
 TEST(Bias, BringsTheMoleculesOfAGroupTogether) {
-  const Scene scene = read(R"([molecule.bead]
-atoms = [{name = "B", mass_u = 40}]
-[[place]]
-molecule = "bead"
-centres_nm = [[0.1, 1, 1], [3.9, 1, 1], [1, 1, 1], [0.2, 3.9, 1]]
-[[bias]]
-variable = "distance"
-groups = [[0, 1], [2]]
-k_kj_mol_nm2 = 100
-[[bias]]
-variable = "gyration"
-groups = [[0, 3]]
-k_kj_mol_nm2 = 100
-[build]
-box_nm = 4
+  const Scene scene = read(R"(molecule.bead = {atoms = [{name = "B", mass_u = 40}]}
+place = [{molecule = "bead", centres_nm = [[0.1, 1, 1], [3.9, 1, 1], [1, 1, 1], [0.2, 3.9, 1]]}]
+bias = [{variable = "distance", groups = [[0, 1], [2]], k_kj_mol_nm2 = 100},
+  {variable = "gyration", groups = [[0, 3]], k_kj_mol_nm2 = 100}]
+build = {box_nm = 4}
 )");
   EXPECT_NEAR(scene.terms.biases[0].lower, 1, 1e-12);
   EXPECT_NEAR(scene.start.x(0, 1), -0.1, 1e-12);

@@ -8,14 +8,12 @@
 
 #include "base/errors.hpp"
 #include "constraints/methods/baumgarte.hpp"
-#include "error_message.hpp"
+#include "scene_text.hpp"
 #include "studies/compared_methods.hpp"
 #include "studies/study_scene.hpp"
 #include "studies/swept_errors.hpp"
 #include "studies/trial.hpp"
-#include "systems/scene/scene_file.hpp"
 #include "systems/scene/toml_reader.hpp"
-#include "temporary_folder.hpp"
 
 namespace taut::calibration_tests {
 namespace {
@@ -261,14 +259,13 @@ TEST(Calibration, TellsDoubtsOfTheSceneFromThoseOfAMethod) {
 
 // What moves anchors does work, and an energy that it changes has not blown up: who moves along sees a pendulum at rest.
 TEST(Trial, HasTheEnergyButForTheWorkOfWhatMoves) {
-  const TemporaryFolder folder;
   const auto trial_of = [&](const std::string& moving) {
-    const Scene scene = read_scene(folder.write("pendulum.toml", R"([build]
+    const Scene scene = read(R"([build]
 kind = "atoms"
 atoms = [[0, 0, 0, 0], [1, 0, 0, 1]]
 bonds = [[0, 1, 1]]
 gravity_nm_ps2 = [0, -9.81, 0]
-)" + moving + "[run]\ndt_fs = 2\nsteps = 2000\n"));
+)" + moving + "[run]\ndt_fs = 2\nsteps = 2000\n");
     return try_setting(scene, setting_of("newton"), {.steps = 2000});
   };
   const Trial resting = trial_of("");
@@ -281,18 +278,7 @@ gravity_nm_ps2 = [0, -9.81, 0]
 
 // For as long as a trial takes.
 TEST(Trial, EndsWhereAnchorsMoveBeyondTheReachOfTheirBonds) {
-  const TemporaryFolder folder;
-  Scene scene = read_scene(folder.write("apart.toml", R"([build]
-kind = "atoms"
-atoms = [[0, 0, 0, 0], [0.8, 0.6, 0, 1], [1.6, 0, 0, 0]]
-bonds = [[0, 1, 1], [1, 2, 1]]
-[[motion]]
-atoms = [2]
-velocity_nm_ps = [1, 0, 0]
-[run]
-dt_fs = 1
-steps = 390
-)"));
+  Scene scene = read(kApart.text);
   scene.run.dt_fs = 3;
   EXPECT_EQ(try_setting(scene, setting_of("newton"), {.steps = 100}).failure, "");
   EXPECT_THAT(try_setting(scene, setting_of("newton"), {.steps = 390}).failure,
@@ -300,16 +286,11 @@ steps = 390
 }
 
 TEST(Calibration, OfAnchorsThatMoveIsRefused) {
-  const TemporaryFolder folder;
-  const Scene scene = read_scene(folder.write("pendulum.toml", R"([build]
-kind = "atoms"
-atoms = [[0, 0, 0, 0], [1, 0, 0, 1]]
-bonds = [[0, 1, 1]]
-[[motion]]
-atoms = [0]
-velocity_nm_ps = [0.3, 0.5, 0.1]
-)"));
-  const auto refusal = HasSubstr("pendulum: motion.0 moves anchors, which taut calibrate would let stand");
+  const Scene scene =
+      read(R"(build = {kind = "atoms", atoms = [[0, 0, 0, 0], [1, 0, 0, 1]], bonds = [[0, 1, 1]]}
+motion = [{atoms = [0], velocity_nm_ps = [0.3, 0.5, 0.1]}]
+)");
+  const auto refusal = HasSubstr("scene: motion.0 moves anchors, which taut calibrate would let stand");
   EXPECT_THAT(error_message([&] { calibrate(scene, {}); }), refusal);
   EXPECT_THAT(error_message([&] { reduction_of(scene, default_options("newton"), {}); }), refusal);
 }

@@ -44,14 +44,10 @@ TEST(Course, IsConstantOutsideAndStraightBetween) {
   EXPECT_DOUBLE_EQ(course.mean(15, 50), (5 * 375 + 20 * 250 + 10 * 100) / 35.0);
 }
 
-const std::string kGas = R"([molecule.dumbbell]
-atoms = [{name = "A", mass_u = 10}, {name = "B", mass_u = 20}]
-bonds = [[0, 1, 0.1]]
-[[place]]
-molecule = "dumbbell"
-count = 400
-[build]
-box_nm = 12
+const std::string kGas =
+    R"(molecule.dumbbell = {atoms = [{name = "A", mass_u = 10}, {name = "B", mass_u = 20}], bonds = [[0, 1, 0.1]]}
+place = [{molecule = "dumbbell", count = 400}]
+build = {box_nm = 12}
 [run]
 dt_fs = 5
 steps = 800
@@ -108,19 +104,10 @@ TEST(Annealing, BadRowsAreRefusedByName) {
                         {{"run.pull_factor=[[0, 1]]"}, "run.pull_factor: has no effect"}});
 }
 
-const std::string kPulled = R"([molecule.bead]
-atoms = [{name = "B", mass_u = 50}]
-pulls = [[0, 30, 0, 40]]
-[[place]]
-molecule = "bead"
-centres_nm = [[1, 2, 3]]
-[run]
-dt_fs = 1
-steps = 4000
-log_every = 800
-pull_factor = [[1, 0], [3, 1]]
-[method]
-name = "rattle"
+const std::string kPulled = R"(molecule.bead = {atoms = [{name = "B", mass_u = 50}], pulls = [[0, 30, 0, 40]]}
+place = [{molecule = "bead", centres_nm = [[1, 2, 3]]}]
+run = {dt_fs = 1, steps = 4000, log_every = 800, pull_factor = [[1, 0], [3, 1]]}
+method = {name = "rattle"}
 )";
 
 // A free bead under a force that grows from 1 to 3 ps: a = t'/2 F/m, so x = F t'³/(12 m), then at constant force.

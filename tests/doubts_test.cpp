@@ -194,16 +194,13 @@ TEST(DoubtsOfRuns, NoteEwaldsErrorBeforeTheRun) {
 // Eight beads and a weight hang from an anchor: the bonds bear what is below them.
 TEST(DoubtsOfRuns, NotOfAChainThatHangsAtRest) {
   const SceneText chain{R"(hard_on = "a test"
+run = {dt_fs = 1, steps = 3000, log_every = 60}
 [build]
 kind = "atoms"
 atoms = [[0, 0, 0, 0], [0, -1, 0, 1], [0, -2, 0, 1], [0, -3, 0, 1], [0, -4, 0, 1], [0, -5, 0, 1], [0, -6, 0, 1],
   [0, -7, 0, 1], [0, -8, 0, 1000]]
 bonds = [[0, 1, 1], [1, 2, 1], [2, 3, 1], [3, 4, 1], [4, 5, 1], [5, 6, 1], [6, 7, 1], [7, 8, 1]]
 gravity_nm_ps2 = [0, -9.81, 0]
-[run]
-dt_fs = 1
-steps = 3000
-log_every = 60
 )"};
   for (const char* method : {"newton", "feedforward", "baumgarte", "mshake", "none"}) {
     Simulation simulation(read(chain.text, {std::string("method.name=") + method}));

@@ -31,21 +31,14 @@ std::string angle_table() {
   return text;
 }
 
-const std::string kScene = R"([molecule.cg]
+const std::string kScene = R"(place = [{molecule = "cg", count = 3}]
+build = {box_nm = 5}
+forcefield = {cutoff_nm = 1.1}
+run = {dt_fs = 2, steps = 500, temperature_k = 300}
+[molecule.cg]
 atoms = [{name = "B", mass_u = 72, sigma_nm = 0.3, epsilon_kj_mol = 1}]
 units = 6
 tables = [{file = "bond.csv", bonds = [[0, 1]]}, {file = "angle.csv", angles = [[0, 1, 2]]}]
-[[place]]
-molecule = "cg"
-count = 3
-[build]
-box_nm = 5
-[forcefield]
-cutoff_nm = 1.1
-[run]
-dt_fs = 2
-steps = 500
-temperature_k = 300
 )";
 
 struct Folder {
@@ -149,33 +142,14 @@ TEST(EnergyTable, RefusesAStartOutsideIt) {
 }
 
 // Soft beads A among hard ones B.
-const std::string kMixture = R"([atom.A]
-mass_u = 72
-sigma_nm = 0.45
-epsilon_kj_mol = 1
-[atom.B]
-mass_u = 72
-sigma_nm = 0.4
-epsilon_kj_mol = 2
-[molecule.cg]
-atoms = ["A", "B"]
-units = 2
-springs = [[0, 1, 0.4, 3000], [1, 2, 0.4, 3000]]
-[[place]]
-molecule = "cg"
-count = 30
-[[pair]]
-atoms = ["B", "A"]
-table = "pair.csv"
-[build]
-box_nm = 4
-[forcefield]
-cutoff_nm = 1.1
-switch_nm = 0.9
-[run]
-dt_fs = 5
-steps = 400
-temperature_k = 300
+const std::string kMixture = R"(atom.A = {mass_u = 72, sigma_nm = 0.45, epsilon_kj_mol = 1}
+atom.B = {mass_u = 72, sigma_nm = 0.4, epsilon_kj_mol = 2}
+molecule.cg = {atoms = ["A", "B"], units = 2, springs = [[0, 1, 0.4, 3000], [1, 2, 0.4, 3000]]}
+place = [{molecule = "cg", count = 30}]
+pair = [{atoms = ["B", "A"], table = "pair.csv"}]
+build = {box_nm = 4}
+forcefield = {cutoff_nm = 1.1, switch_nm = 0.9}
+run = {dt_fs = 5, steps = 400, temperature_k = 300}
 )";
 
 // 25 (1 − r/0.8)² with its force
@@ -221,14 +195,10 @@ TEST(EnergyTable, OfPairsTakesThePlaceOfLennardJones) {
 TEST(EnergyTable, OfAllPairsLeavesNoLennardJones) {
   const PairFolder files;
   const std::string all = SceneText{kMixture}
-                              .with("[build]", R"([[pair]]
-atoms = ["A", "A"]
-table = "pair.csv"
-[[pair]]
-atoms = ["B", "B"]
-table = "pair.csv"
-[build])")
-                              .with("cutoff_nm = 1.1\nswitch_nm = 0.9", "precision = \"mixed\"")
+                              .with("table = \"pair.csv\"}",
+                                    "table = \"pair.csv\"}, {atoms = [\"A\", \"A\"], table = \"pair.csv\"}, "
+                                    "{atoms = [\"B\", \"B\"], table = \"pair.csv\"}")
+                              .with("cutoff_nm = 1.1, switch_nm = 0.9", "precision = \"mixed\"")
                               .text;
   const Scene scene = files.read(all);
   EXPECT_FALSE(scene.terms.nonbonded);
@@ -245,20 +215,20 @@ TEST(EnergyTable, OfPairsSaysWhatIsWrong) {
   };
   EXPECT_EQ(said(scene), "no error");
   EXPECT_THAT(said(scene, pair_table(0.5)), HasSubstr("pair.0.table: pair.csv ends with 0.5 kJ/mol at 0.8"));
-  EXPECT_EQ(said(scene.with("\"pair.csv\"", "\"pair.csv\"\nshift = true"), pair_table(0.5)), "no error");
-  EXPECT_THAT(said(scene.with("\"pair.csv\"", "\"pair.csv\"\nsigma_nm = 0.3")),
+  EXPECT_EQ(said(scene.with("\"pair.csv\"", "\"pair.csv\", shift = true"), pair_table(0.5)), "no error");
+  EXPECT_THAT(said(scene.with("\"pair.csv\"", "\"pair.csv\", sigma_nm = 0.3")),
               HasSubstr("pair.0.sigma_nm: has no effect, it counts only without table"));
   EXPECT_THAT(said(scene.with("table = \"pair.csv\"", "sigma_nm = 0.3")),
               HasSubstr("missing key \"epsilon_kj_mol\" in [pair.0]"));
-  EXPECT_THAT(said(scene.with("table = \"pair.csv\"", "sigma_nm = 0.3\nepsilon_kj_mol = 1\nshift = true")),
+  EXPECT_THAT(said(scene.with("table = \"pair.csv\"", "sigma_nm = 0.3, epsilon_kj_mol = 1, shift = true")),
               HasSubstr("shift"));
-  EXPECT_THAT(said(scene.with("units = 2", "units = 2\nlennard_jones_14 = 0.5")),
+  EXPECT_THAT(said(scene.with("units = 2", "units = 2, lennard_jones_14 = 0.5")),
               HasSubstr("atoms 0 and 3, three bonds apart, have 0.5 of their force, and pairs of a table"));
-  EXPECT_EQ(said(scene.with("units = 2", "units = 2\nlennard_jones_14 = 0")), "no error");
+  EXPECT_EQ(said(scene.with("units = 2", "units = 2, lennard_jones_14 = 0")), "no error");
   EXPECT_THAT(
-      said(scene.with("box_nm = 4", "box_nm = 1.5\n")
+      said(scene.with("box_nm = 4", "box_nm = 1.5")
                .with("count = 30", "count = 2")
-               .with("cutoff_nm = 1.1\nswitch_nm = 0.9", "cutoff_nm = 0.7")),
+               .with("cutoff_nm = 1.1, switch_nm = 0.9", "cutoff_nm = 0.7")),
       HasSubstr("tabulated pairs: their tables end at 0.8 nm, over half the box's shortest edge, 0.75 nm"));
 }
 
@@ -266,7 +236,7 @@ TEST(EnergyTable, OfPairsSaysWhatIsWrong) {
 TEST(EnergyTable, OfPairsRefusesAStartBelowIt) {
   const std::string begins_late = pair_table().substr(pair_table().find("0.7000"));
   const std::string placed = SceneText{kMixture}
-                                 .with("count = 30", "count = 2\ncentres_nm = [[1, 1, 1], [1.5, 1, 1]]")
+                                 .with("count = 30", "count = 2, centres_nm = [[1, 1, 1], [1.5, 1, 1]]")
                                  .with("units = 2", "coordinates_nm = [[0, 0, 0], [0, 0.4, 0]]")
                                  .with(", [1, 2, 0.4, 3000]", "")
                                  .text;
@@ -274,7 +244,8 @@ TEST(EnergyTable, OfPairsRefusesAStartBelowIt) {
   EXPECT_THAT(files.said(placed), HasSubstr("scene.toml: at the start atoms "));
   EXPECT_THAT(files.said(placed), HasSubstr("nearer than their table pair.csv begins, at 0.7 nm"));
   EXPECT_THAT(files.said(placed), HasSubstr("run.soft_start = true pushes atoms apart first"));
-  Scene pushed = files.read(placed + "minimise = true\nsoft_start = true\n");
+  Scene pushed =
+      files.read(SceneText{placed}.with("dt_fs", "minimise = true, soft_start = true, dt_fs").text);
   Simulation simulation(std::move(pushed));
   EXPECT_TRUE(std::isfinite(simulation.record().total()));
 }

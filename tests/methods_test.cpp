@@ -274,18 +274,23 @@ TEST(Start, ThatAMethodCannotHoldIsAFailureThatNamesTheBond) {
 
 TEST(Methods, LimitsAreRefusedByTheirOwnKeys) {
   const System sys = tests::rotor(1).system;
-  const auto refusal = [&](const MethodOptions& options) -> std::string {
-    return error_message([&] { make_method(sys, options, 0.01); });
-  };
-  EXPECT_EQ(refusal(Newton::Options{.max_iterations = 0}),
-            "method.max_iterations: expected at least 1, got 0");
-  EXPECT_EQ(refusal(Feedforward::Options{.max_solves = 0}), "method.max_solves: expected at least 1, got 0");
-  EXPECT_EQ(refusal(Rattle::Options{{.max_sweeps = 0}}), "method.max_sweeps: expected at least 1, got 0");
-  EXPECT_EQ(refusal(Shake::Options{{.sweeps = -1}}), "method.sweeps: expected at least 0, got -1");
-  EXPECT_EQ(refusal(Lincs::Options{.order = -1}), "method.order: expected at least 0, got -1");
-  EXPECT_EQ(refusal(Lincs::Options{.iterations = -1}), "method.iterations: expected at least 0, got -1");
-  EXPECT_EQ(refusal(Baumgarte::Options{.max_solves = 0}), "method.max_solves: expected at least 1, got 0");
-  EXPECT_EQ(refusal(Baumgarte::Options{.sweeps = -1}), "method.sweeps: expected at least 0, got -1");
+  const std::vector<std::pair<MethodOptions, const char*>> refused = {
+      {Newton::Options{.tolerance = 1}, "tolerance: expected "},
+      {Newton::Options{.max_iterations = 0}, "max_iterations: expected at least 1, got 0"},
+      {Feedforward::Options{.max_solves = 0}, "max_solves: expected at least 1, got 0"},
+      {Rattle::Options{{.tolerance = 0}}, "tolerance: expected "},
+      {Rattle::Options{{.max_sweeps = 0}}, "max_sweeps: expected at least 1, got 0"},
+      {Shake::Options{{.max_sweeps = 0}}, "max_sweeps: expected at least 1, got 0"},
+      {Shake::Options{{.sweeps = -1}}, "sweeps: expected at least 0, got -1"},
+      {Lincs::Options{.order = -1}, "order: expected at least 0, got -1"},
+      {Lincs::Options{.iterations = -1}, "iterations: expected at least 0, got -1"},
+      {Baumgarte::Options{.max_solves = 0}, "max_solves: expected at least 1, got 0"},
+      {Baumgarte::Options{.sweeps = -1}, "sweeps: expected at least 0, got -1"},
+      {Penalty::Options{.omega_h = 2.5}, "omega_h: expected "}};
+  for (const auto& [options, words] : refused)
+    EXPECT_THAT(error_message([&, &options = options] { make_method(sys, options, 0.01); }),
+                testing::StartsWith(std::string("method.") + words));
+  EXPECT_THROW(make_method(sys, Rattle::Options{}, 0), InputError);
 }
 
 // Where `key` goes.
@@ -327,15 +332,6 @@ TEST(Methods, EveryKeySetsTheOptionOfItsName) {
 TEST(Methods, UnknownNameIsRefusedWithTheNearest) {
   EXPECT_THAT(error_message([&] { default_options("ratle"); }),
               testing::HasSubstr("did you mean \"rattle\"?"));
-}
-
-TEST(Methods, OptionsOutOfRangeAreRefused) {
-  const System sys = tests::rotor(1).system;
-  EXPECT_THROW(make_method(sys, Rattle::Options{{.tolerance = 0}}, 0.01), InputError);
-  EXPECT_THROW(make_method(sys, Shake::Options{{.max_sweeps = 0}}, 0.01), InputError);
-  EXPECT_THROW(make_method(sys, Newton::Options{.tolerance = 1}, 0.01), InputError);
-  EXPECT_THROW(make_method(sys, Penalty::Options{.omega_h = 2.5}, 0.01), InputError);
-  EXPECT_THROW(make_method(sys, Rattle::Options{}, 0), InputError);
 }
 
 }  // namespace

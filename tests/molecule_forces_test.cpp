@@ -14,8 +14,11 @@
 namespace taut::molecule_forces_tests {
 namespace {
 
-const std::string kEvery = R"([atom.Z]
-mass_u = 0
+const std::string kEvery = R"(atom.Z = {mass_u = 0}
+place = [{molecule = "all", count = 2}]
+build = {box_nm = 3, gravity_nm_ps2 = [0, 0, -1]}
+forcefield = {cutoff_nm = 1}
+run = {dt_fs = 0.5, steps = 200, temperature_k = 300}
 [molecule.all]
 atoms = [{name = "A", mass_u = 12, charge_e = 0.4, sigma_nm = 0.3, epsilon_kj_mol = 0.3}, "Z",
          {name = "B", mass_u = 14, charge_e = -0.4, sigma_nm = 0.3, epsilon_kj_mol = 0.3},
@@ -31,18 +34,6 @@ rb_torsions = [[0, 2, 3, 4, 1, 2, 1, 0.5, 0.2, 0.1]]
 impropers = [[1, 0, 2, 3, 60, 4]]
 pulls = [[3, 10, 0, 0]]
 restraints = [[4, 1, 2, 9.5, 50]]
-[[place]]
-molecule = "all"
-count = 2
-[build]
-box_nm = 3
-gravity_nm_ps2 = [0, 0, -1]
-[forcefield]
-cutoff_nm = 1
-[run]
-dt_fs = 0.5
-steps = 200
-temperature_k = 300
 )";
 
 std::map<std::string, double> energies(const Scene& scene) {
@@ -146,7 +137,8 @@ cutoff_nm = 1
 
 // A rope makes one molecule of two, which grow within its reach; their pair forces are left as they are.
 TEST(MoleculeForces, ARopeTiesTwoMolecules) {
-  const Scene scene = read(R"([molecule.two]
+  const Scene scene = read(R"(place = [{molecule = "pair", count = 50}, {molecule = "two", count = 1}]
+[molecule.two]
 atoms = [{name = "A", mass_u = 1, sigma_nm = 0.3, epsilon_kj_mol = 1}]
 units = 4
 bonds = [[0, 1, 0.3]]
@@ -154,12 +146,6 @@ at_least = [[0, 3, 0.5]]
 [molecule.pair]
 atoms = [{name = "A", mass_u = 1, sigma_nm = 0.3, epsilon_kj_mol = 1}, {name = "B", mass_u = 1}]
 at_most = [[0, 1, 0.6]]
-[[place]]
-molecule = "pair"
-count = 50
-[[place]]
-molecule = "two"
-count = 1
 )");
   for (int a = 0; a < 100; a += 2)
     EXPECT_NEAR((scene.start.x.col(a + 1) - scene.start.x.col(a)).norm(), 0.54, 1e-9);
@@ -171,27 +157,13 @@ count = 1
 
 // Anchors in a plane, 0.4 nm apart, and a chain that stays where it was put.
 TEST(MoleculeForces, CopiesArePutIntoAPartOfTheBox) {
-  const Scene scene = read(R"([atom.W]
-mass_u = 0
-sigma_nm = 0.4
-epsilon_kj_mol = 1
-[molecule.wall]
-atoms = ["W"]
-[molecule.ball]
-atoms = [{name = "B", mass_u = 1, sigma_nm = 0.3, epsilon_kj_mol = 1}]
-[[place]]
-molecule = "wall"
-count = 100
-arrange = "lattice"
-within_nm = [0, 0, 0, 4, 4, 0.1]
-[[place]]
-molecule = "ball"
-count = 20
-within_nm = [1, 1, 2, 3, 3, 3]
-[build]
-box_nm = 4
-[forcefield]
-cutoff_nm = 1
+  const Scene scene = read(R"(atom.W = {mass_u = 0, sigma_nm = 0.4, epsilon_kj_mol = 1}
+molecule.wall = {atoms = ["W"]}
+molecule.ball = {atoms = [{name = "B", mass_u = 1, sigma_nm = 0.3, epsilon_kj_mol = 1}]}
+place = [{molecule = "wall", count = 100, arrange = "lattice", within_nm = [0, 0, 0, 4, 4, 0.1]},
+  {molecule = "ball", count = 20, within_nm = [1, 1, 2, 3, 3, 3]}]
+build = {box_nm = 4}
+forcefield = {cutoff_nm = 1}
 )");
   const Vectors wall = scene.start.x.leftCols(100), balls = scene.start.x.rightCols(20);
   EXPECT_NEAR((wall.row(2).array() - 0.05).abs().maxCoeff(), 0, 1e-12);
@@ -203,26 +175,15 @@ cutoff_nm = 1
 
 // Each pair of kinds has its own σ and ε: by Lorentz and Berthelot's rule, or those of a [[pair]].
 TEST(MoleculeForces, OfRepulsiveBeadsAreOfEachPairOfKinds) {
-  const std::string text = R"([molecule.small]
-atoms = [{name = "S", mass_u = 1, sigma_nm = 0.3, epsilon_kj_mol = 1}]
-[molecule.wide]
-atoms = [{name = "W", mass_u = 2, sigma_nm = 0.5, epsilon_kj_mol = 4}]
-[molecule.none]
-atoms = [{name = "N", mass_u = 2}]
-[[place]]
-molecule = "small"
-centres_nm = [[0, 0, 0], [0.28, 0, 0], [5, 0.46, 0]]
-[[place]]
-molecule = "wide"
-centres_nm = [[0, 0.38, 0], [5, 0, 0]]
-[[place]]
-molecule = "none"
-centres_nm = [[0.1, 0.1, 0]]
-[forcefield]
-pair = "wca"
-[run]
-dt_fs = 0.1
-steps = 2000
+  const std::string text =
+      R"(molecule.small = {atoms = [{name = "S", mass_u = 1, sigma_nm = 0.3, epsilon_kj_mol = 1}]}
+molecule.wide = {atoms = [{name = "W", mass_u = 2, sigma_nm = 0.5, epsilon_kj_mol = 4}]}
+molecule.none = {atoms = [{name = "N", mass_u = 2}]}
+place = [{molecule = "small", centres_nm = [[0, 0, 0], [0.28, 0, 0], [5, 0.46, 0]]},
+  {molecule = "wide", centres_nm = [[0, 0.38, 0], [5, 0, 0]]},
+  {molecule = "none", centres_nm = [[0.1, 0.1, 0]]}]
+forcefield = {pair = "wca"}
+run = {dt_fs = 0.1, steps = 2000}
 )";
   const auto wca = [](double sigma, double epsilon, double r) {
     const double s6 = std::pow(sigma / r, 6);
@@ -243,17 +204,14 @@ steps = 2000
   simulation.run({});
   EXPECT_NEAR(simulation.record().total(), before, 5e-4);  // 5 kJ/mol became motion
   EXPECT_GT(simulation.record().kinetic, 1);
-  const SceneText chain{R"([molecule.chain]
+  const SceneText chain{R"(place = [{molecule = "chain", count = 1}]
+forcefield = {pair = "wca"}
+[molecule.chain]
 atoms = [{name = "S", mass_u = 1, sigma_nm = 0.3, epsilon_kj_mol = 1},
          {name = "W", mass_u = 2, sigma_nm = 0.5, epsilon_kj_mol = 4}]
 units = 3
 bonds = [[0, 1, 0.4], [1, 2, 0.4]]
 lennard_jones_14 = 1
-[[place]]
-molecule = "chain"
-count = 1
-[forcefield]
-pair = "wca"
 )"};
   expect_said(chain, {{"14 = 1", "14 = 0.5", "of wca pairs three bonds apart have all or nothing"}});
   EXPECT_EQ(read(chain.text).terms.tabulated_pairs->exclusions.size(), 5u + 4u);

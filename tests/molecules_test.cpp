@@ -91,7 +91,8 @@ count = 200
 
 // Struts and ropes count on with the units; what is grown keeps to them, rings too.
 TEST(Molecules, AreGrownWithinReachOfStrutsAndRopes) {
-  const Scene scene = read(R"([molecule.chain]
+  const Scene scene = read(R"(place = [{molecule = "chain", count = 20}, {molecule = "ring", count = 20}]
+[molecule.chain]
 atoms = [{name = "B", mass_u = 1}]
 units = 8
 bonds = [[0, 1, 1]]
@@ -103,12 +104,6 @@ units = 6
 ring = true
 bonds = [[0, 1, 1]]
 at_least = [[0, 3, 1.5]]
-[[place]]
-molecule = "chain"
-count = 20
-[[place]]
-molecule = "ring"
-count = 20
 )");
   const System& sys = scene.system;
   ASSERT_EQ(sys.one_sided.size(), 20u * (6 + 5 + 1 + 3));
@@ -122,23 +117,18 @@ count = 20
 
 // Rings and branched molecules: all lengths, and the angles that fit.
 TEST(Molecules, CloseTheirRings) {
-  const Scene ring = read(R"([molecule.ring]
+  const Scene ring = read(R"(place = [{molecule = "ring", count = 5}, {molecule = "methane", count = 2}]
+[molecule.ring]
 atoms = [{name = "B", mass_u = 1, sigma_nm = 0.9, epsilon_kj_mol = 1}]
 units = 8
 ring = true
 bonds = [[0, 1, 1.0]]
-[[place]]
-molecule = "ring"
-count = 5
 [molecule.methane]
 atoms = [{name = "C", mass_u = 12.011}, {name = "H1", mass_u = 1.008}, {name = "H2", mass_u = 1.008},
   {name = "H3", mass_u = 1.008}, {name = "H4", mass_u = 1.008}]
 bonds = [[0, 1, 0.109], [0, 2, 0.109], [0, 3, 0.109], [0, 4, 0.109]]
 angles = [[1, 0, 2, 109.4712206, 1], [1, 0, 3, 109.4712206, 1], [1, 0, 4, 109.4712206, 1],
   [2, 0, 3, 109.4712206, 1], [2, 0, 4, 109.4712206, 1], [3, 0, 4, 109.4712206, 1]]
-[[place]]
-molecule = "methane"
-count = 2
 )");
   EXPECT_EQ(ring.system.bond_count(), 5 * 8 + 2 * 4);
   EXPECT_LT(bond_errors(ring.system, ring.start.x).max, 1e-9);
@@ -167,10 +157,10 @@ TEST(Molecules, PairsNearAlongTheChainAreExcludedOrScaled) {
 
 // A side group on every bead, repeated with it; a row reaches into the next unit.
 TEST(Molecules, UnitsRepeatAtomsAndRows) {
-  const Scene scene = read(R"([atom.BB]
-mass_u = 2
-[atom.SC]
-mass_u = 1
+  const Scene scene = read(R"(atom.BB = {mass_u = 2}
+atom.SC = {mass_u = 1}
+place = [{molecule = "brush", count = 2}]
+build = {gravity_nm_ps2 = [0, 0, -1]}
 [molecule.brush]
 atoms = ["BB", "SC"]
 units = 3
@@ -178,11 +168,6 @@ bonds = [[0, 1, 0.2], [0, 2, 0.3]]
 springs = [[1, 3, 0.4, 10]]
 impropers = [[1, 0, 2, 3, 180, 5]]
 pulls = [[1, 0, 0, 7]]
-[[place]]
-molecule = "brush"
-count = 2
-[build]
-gravity_nm_ps2 = [0, 0, -1]
 )");
   std::vector<std::pair<int, int>> bonds;
   for (const auto& bond : scene.system.bonds) bonds.emplace_back(bond.i, bond.j);
@@ -203,18 +188,14 @@ gravity_nm_ps2 = [0, 0, -1]
 
 // Kremer and Grest's chains: springs beside a repulsion that bonded beads feel, too.
 TEST(Molecules, OfRepulsiveBeads) {
-  const std::string text = R"([molecule.chain]
+  const std::string text = R"(place = [{molecule = "chain", count = 4}]
+build = {density_per_nm3 = 0.2}
+forcefield = {pair = "wca"}
+[molecule.chain]
 atoms = [{name = "B", mass_u = 1, sigma_nm = 1, epsilon_kj_mol = 1}]
 units = 10
 fene = [[0, 1, 30, 1.5]]
 exclude = "none"
-[[place]]
-molecule = "chain"
-count = 4
-[build]
-density_per_nm3 = 0.2
-[forcefield]
-pair = "wca"
 )";
   const Scene scene = read(text);
   EXPECT_EQ(scene.terms.fene.size(), 36u);
@@ -231,21 +212,13 @@ pair = "wca"
 
 // Ewald's sum of a charged box is that of another system.
 TEST(Molecules, ThatAreChargedAllInAllAreNoted) {
-  const std::string ions = R"([molecule.sodium]
+  const std::string ions = R"(place = [{molecule = "sodium", count = 3}, {molecule = "chloride", count = 2}]
+build = {box_nm = 3}
+forcefield = {cutoff_nm = 1, coulomb = "pme"}
+[molecule.sodium]
 atoms = [{name = "NA", mass_u = 22.99, charge_e = 1, sigma_nm = 0.24, epsilon_kj_mol = 0.37}]
 [molecule.chloride]
 atoms = [{name = "CL", mass_u = 35.45, charge_e = -1, sigma_nm = 0.45, epsilon_kj_mol = 0.15}]
-[[place]]
-molecule = "sodium"
-count = 3
-[[place]]
-molecule = "chloride"
-count = 2
-[build]
-box_nm = 3
-[forcefield]
-cutoff_nm = 1
-coulomb = "pme"
 )";
   const auto charged = testing::Contains(HasSubstr("the charges add up to 1 e, which PME neutralises by"));
   EXPECT_THAT(read(ions).notes, charged);

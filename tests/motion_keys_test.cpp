@@ -26,19 +26,9 @@ steps = 1000
 constexpr const char* kVelocity = "velocity_nm_ps = [0.3, 0.5, 0.1]";
 
 TEST(MovingAnchors, BeyondTheReachOfTheirBondsAreRefused) {
-  const std::string apart = R"([build]
-kind = "atoms"
-atoms = [[0, 0, 0, 0], [0.8, 0.6, 0, 1], [1.6, 0, 0, 0]]
-bonds = [[0, 1, 1], [1, 2, 1]]
-[[motion]]
-atoms = [2]
-velocity_nm_ps = [1, 0, 0]
-[run]
-dt_fs = 1
-)";
-  EXPECT_EQ(complaint(apart, {"run.steps=390"}), "no error");
+  EXPECT_EQ(complaint(kApart.text), "no error");
   EXPECT_THAT(
-      complaint(apart, {"run.steps=1000"}),
+      complaint(kApart.text, {"run.steps=1000"}),
       HasSubstr("motion.0.atoms: atom 2 is 2.00017 nm from anchor 0 at 0.4002 ps, and the bonds between them "
                 "reach 2 nm: move it less far, or take fewer run.steps"));
 }
@@ -49,17 +39,8 @@ std::vector<std::string> notes_of(const std::string& motion, const std::vector<s
 
 // At kTimes even times it would be where it was.
 TEST(MovingAnchors, WhoseShakeDividesTheRunAreSeenBeyondReach) {
-  const std::string shaken = R"([build]
-kind = "atoms"
-atoms = [[0, 0, 0, 0], [0.8, 0.6, 0, 1], [1.6, 0, 0, 0]]
-bonds = [[0, 1, 1], [1, 2, 1]]
-[[motion]]
-atoms = [2]
-shake_nm = [0.5, 0, 0]
-period_ps = 0.02
-[run]
-dt_fs = 1
-)";
+  const std::string shaken =
+      kApart.with("velocity_nm_ps = [1, 0, 0]", "shake_nm = [0.5, 0, 0], period_ps = 0.02").text;
   for (const char* steps : {"20", "1000", "20000", "40000"})
     EXPECT_THAT(complaint(shaken, {std::string("run.steps=") + steps}),
                 HasSubstr("motion.0.atoms: atom 2 is 2."))

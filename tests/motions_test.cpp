@@ -43,19 +43,14 @@ struct Oscillator {
   }
 };
 
-const SceneText kPendulum{R"([build]
+const SceneText kPendulum{R"(motion = [{atoms = [0], velocity_nm_ps = [0.3, 0.5, 0.1]}]
+run = {dt_fs = 1, steps = 3000, log_every = 500}
+[build]
 kind = "atoms"
 atoms = [[0, 0, 0, 0], [1, 0, 0, 1]]
 velocities = [[0, 0, 0], [0.3, 0.5, 0.1]]
 bonds = [[0, 1, 1]]
 gravity_nm_ps2 = [0, -9.81, 0]
-[[motion]]
-atoms = [0]
-velocity_nm_ps = [0.3, 0.5, 0.1]
-[run]
-dt_fs = 1
-steps = 3000
-log_every = 500
 )"};
 
 // Who moves along with it sees a pendulum at rest.
@@ -84,18 +79,14 @@ TEST(MovingAnchors, APendulumAtConstantVelocitySwingsAsAtRest) {
 
 // A bead at the end of an arm that turns: what holds it is m ω²(R + d), and nothing is to be done.
 TEST(MovingAnchors, ATurningArmIsPulledByTheCentrifugalForce) {
-  const SceneText arm{R"([build]
+  const SceneText arm{
+      R"(motion = [{atoms = [0], turn_deg_ps = [0, 0, 114.59155902616465], about_nm = [1, 1, 0]}]
+run = {dt_fs = 0.5, steps = 3000}
+[build]
 kind = "atoms"
 atoms = [[2, 1, 0, 0], [3, 1, 0, 5]]
 velocities = [[0, 0, 0], [0, 4, 0]]
 bonds = [[0, 1, 1]]
-[[motion]]
-atoms = [0]
-turn_deg_ps = [0, 0, 114.59155902616465]
-about_nm = [1, 1, 0]
-[run]
-dt_fs = 0.5
-steps = 3000
 )"};
   for (const std::string& name : kMethods) {
     Simulation simulation(read(arm.text, {"method.name=" + name}));
@@ -226,45 +217,18 @@ log_every = 100
 }
 
 // Along a way, and with pair forces, springs and a bath: the work closes the account, and a checkpoint goes on.
-const SceneText kDragged{R"([molecule.wall]
-atoms = [{name = "W", mass_u = 0, sigma_nm = 0.3, epsilon_kj_mol = 1}]
-[atom.B]
-mass_u = 40
-sigma_nm = 0.3
-epsilon_kj_mol = 1
-[atom.R]
-mass_u = 0
-sigma_nm = 0.3
-epsilon_kj_mol = 1
-[molecule.brush]
-atoms = ["B"]
-first = "R"
-units = 5
-bonds = [[0, 1, 0.3]]
-[[place]]
-molecule = "wall"
-centres_nm = [[0.5, 0.5, 0.5], [1.5, 1.5, 0.5], [0.5, 1.5, 0.5]]
-[[place]]
-molecule = "brush"
-count = 12
-[[motion]]
-atoms = ["W"]
-way_nm = [[0, 0, 0, 0], [0.5, 0.3, 0, 0], [1, 0.3, 0.2, 0], [1.5, 0, 0, 0]]
-[[motion]]
-atoms = ["R"]
-velocity_nm_ps = [0.2, 0, 0]
-[build]
-box_nm = [2.4, 2.4, 2.4]
-[forcefield]
-pair = "lennard-jones"
-cutoff_nm = 1.0
-switch_nm = 0.8
-[run]
-dt_fs = 2
-steps = 800
-log_every = 50
-temperature_k = 200
-minimise = true
+const SceneText kDragged{
+    R"(molecule.wall = {atoms = [{name = "W", mass_u = 0, sigma_nm = 0.3, epsilon_kj_mol = 1}]}
+atom.B = {mass_u = 40, sigma_nm = 0.3, epsilon_kj_mol = 1}
+atom.R = {mass_u = 0, sigma_nm = 0.3, epsilon_kj_mol = 1}
+molecule.brush = {atoms = ["B"], first = "R", units = 5, bonds = [[0, 1, 0.3]]}
+place = [{molecule = "wall", centres_nm = [[0.5, 0.5, 0.5], [1.5, 1.5, 0.5], [0.5, 1.5, 0.5]]},
+  {molecule = "brush", count = 12}]
+motion = [{atoms = ["W"], way_nm = [[0, 0, 0, 0], [0.5, 0.3, 0, 0], [1, 0.3, 0.2, 0], [1.5, 0, 0, 0]]},
+  {atoms = ["R"], velocity_nm_ps = [0.2, 0, 0]}]
+build = {box_nm = [2.4, 2.4, 2.4]}
+forcefield = {pair = "lennard-jones", cutoff_nm = 1.0, switch_nm = 0.8}
+run = {dt_fs = 2, steps = 800, log_every = 50, temperature_k = 200, minimise = true}
 )"};
 
 TEST(MovingAnchors, TheWorkOfMovingThemClosesTheAccount) {

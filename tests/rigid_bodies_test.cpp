@@ -109,27 +109,16 @@ TEST_P(EveryBody, TurnsByItsInertiaWhereAForceActs) {
 INSTANTIATE_TEST_SUITE_P(All, EveryBody, testing::ValuesIn(kBodies),
                          [](const auto& of) { return std::string(of.param.name); });
 
-const SceneText kSites{R"([atom.A]
-mass_u = 20
-epsilon_kj_mol = 1
-sigma_nm = 0.3
-[atom.S]
-mass_u = 0
-epsilon_kj_mol = 1
-sigma_nm = 0.3
+const SceneText kSites{R"(atom.A = {mass_u = 20, epsilon_kj_mol = 1, sigma_nm = 0.3}
+atom.S = {mass_u = 0, epsilon_kj_mol = 1, sigma_nm = 0.3}
+place = [{molecule = "rods", count = 5}]
+build = {box_nm = 4}
+forcefield = {cutoff_nm = 1, switch_nm = 0.8}
 [molecule.rods]
 atoms = ["A", "S", "A"]
 units = 4
 bonds = [[0, 2, 0.4], [2, 3, 0.3]]
 virtual_sites2 = [[1, 0, 2, 0.25]]
-[[place]]
-molecule = "rods"
-count = 5
-[build]
-box_nm = 4
-[forcefield]
-cutoff_nm = 1
-switch_nm = 0.8
 )"};
 
 TEST(SitesInMolecules, StandBetweenTheirParentsInEveryUnit) {
@@ -177,21 +166,16 @@ TEST(RigidBodies, GoToOpenMMAndBack) {
 
 // The points that carry the mass of a rod do not repel, whose beads are all alike.
 TEST(RigidBodies, RepelByTheirBeadsAlone) {
-  const SceneText rods{R"([molecule.rod]
+  const SceneText rods{
+      R"(place = [{molecule = "rod", centres_nm = [[0.5, 0.5, 0.5], [0.7, 0.6, 0.6], [0.5, 0.8, 0.5]]}]
+build = {box_nm = 4}
+forcefield = {pair = "wca"}
+run = {minimise = true, soft_start = true}
+[molecule.rod]
 atoms = [{name = "B", mass_u = 20, sigma_nm = 0.34, epsilon_kj_mol = 1}]
 units = 3
 rigid = true
 coordinates_nm = [[0, 0, 0], [0.17, 0, 0], [0.34, 0, 0]]
-[[place]]
-molecule = "rod"
-centres_nm = [[0.5, 0.5, 0.5], [0.7, 0.6, 0.6], [0.5, 0.8, 0.5]]
-[build]
-box_nm = 4
-[forcefield]
-pair = "wca"
-[run]
-minimise = true
-soft_start = true
 )"};
   EXPECT_THAT(complaint(rods.with("sigma_nm = 0.34, epsilon_kj_mol = 1", "charge_e = 1").text),
               HasSubstr("forcefield.pair: wca repels by epsilon_kj_mol, which no atom has"));
@@ -222,7 +206,7 @@ TEST(SitesInMolecules, BadOnesAreRefusedByName) {
   const char* sites = "virtual_sites2";
   expect_said(kSites,
               {{sites, sites, "no error"},
-               {"mass_u = 0\n", "mass_u = 3\n", "virtual_sites2[0]: atom 1 is a virtual site of mass 3 u"},
+               {"mass_u = 0,", "mass_u = 3,", "virtual_sites2[0]: atom 1 is a virtual site of mass 3 u"},
                {"0.25]]", "0.25], [1, 2, 0, 0.5]]", "atom 1 is a virtual site already"},
                {"[[0, 2, 0.4]", "[[0, 1, 0.4]", "molecule.rods.bonds[0]: atom 1 is a virtual"},
                {sites, "springs = [[1, 3, 0.3, 100]]\nvirtual_sites2", "give coordinates_nm or file"}});

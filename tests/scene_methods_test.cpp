@@ -4,8 +4,6 @@
 
 #include <map>
 
-#include "constraints/methods/newton.hpp"
-#include "constraints/methods/rattle.hpp"
 #include "constraints/redundancy.hpp"
 #include "forcefield/force_field.hpp"
 #include "md/units.hpp"
@@ -92,24 +90,6 @@ TEST(Scenes, AreOfFullRank) {
   for (const auto& summary : list_scenes()) {
     const Scene scene = read_scene(find_scene(summary.name));
     EXPECT_TRUE(find_redundancy(scene.system, scene.start.x).none()) << summary.name;
-  }
-}
-
-// Tight enough that rounding alone is between them.
-TEST(Scenes, RattleAndNewtonAgreeToRoundOff) {
-  for (const auto& summary : list_scenes()) {
-    SCOPED_TRACE(summary.name);
-    const Scene scene = read(summary.name);
-    ForceField forces(scene.system, scene.start.box, scene.terms);
-    const double reachable =
-        std::max(1e-13, 4e-16 * scene.start.x.cwiseAbs().maxCoeff() / scene.system.bonds[0].length);
-    const auto run = [&](const MethodOptions& options) {
-      return verify(scene.system, forces, options, scene.run.h(), 10, scene.start);
-    };
-    const Verdict rattle = run(Rattle::Options{{.tolerance = reachable, .max_sweeps = 20000}});
-    const Verdict newton = run(Newton::Options{.tolerance = reachable});
-    ASSERT_TRUE(rattle.stats.converged() && newton.stats.converged());
-    EXPECT_LT((rattle.end.x - newton.end.x).cwiseAbs().maxCoeff(), 1e-10);
   }
 }
 

@@ -41,6 +41,15 @@ max_solves = 2
   }
 };
 
+// Two bars between an anchor and one that moves off, beyond their reach after 0.4 ps.
+inline const SceneText kApart{R"(motion = [{atoms = [2], velocity_nm_ps = [1, 0, 0]}]
+run = {dt_fs = 1, steps = 390}
+[build]
+kind = "atoms"
+atoms = [[0, 0, 0, 0], [0.8, 0.6, 0, 1], [1.6, 0, 0, 0]]
+bonds = [[0, 1, 1], [1, 2, 1]]
+)"};
+
 inline const std::string kMelt = R"(hard_on = "a test"
 [build]
 kind = "melt"

@@ -152,17 +152,6 @@ TEST(Settle, RefusesWhatIsNoWater) {
   refused(Eigen::VectorXd{{16, 1, 1, 1}}, {{0, 1, 0.1}, {0, 2, 0.1}, {1, 2, 0.15}, {0, 3, 0.1}});
 }
 
-TEST(SettleAndNewton, AgreeToRoundOff) {
-  NoForce forces;
-  const Start start = tests::waters(4, 12, 400);
-  const auto settle = verify(start.system, forces, Settle::Options{}, 0.002, 200, start.state);
-  const auto newton = verify(start.system, forces, tight<Newton::Options>(), 0.002, 200, start.state);
-  ASSERT_TRUE(settle.stats.converged() && newton.stats.converged());
-  EXPECT_LT(settle.bond_error, 1e-13);
-  EXPECT_LT((settle.end.x - newton.end.x).cwiseAbs().maxCoeff(), 1e-11);
-  EXPECT_LT((settle.end.v - newton.end.v).cwiseAbs().maxCoeff(), 1e-9);
-}
-
 // What the expansion leaves shrinks by C's largest eigenvalue a power, and the turning's error is squared a
 // correction.
 TEST(Lincs, ConvergesWithOrderAndIterations) {
@@ -235,14 +224,6 @@ TEST(ShakeAndRattle, GiveTheSamePositions) {
   const auto rattle = verify(start.system, forces, tight<Rattle::Options>(), 0.01, 50, start.state);
   EXPECT_LT((shake.end.x - rattle.end.x).cwiseAbs().maxCoeff(), 1e-11);
   EXPECT_GT((shake.end.v - rattle.end.v).cwiseAbs().maxCoeff(), 1e-6);
-}
-
-TEST(Rattle, WarmStartSavesSweeps) {
-  NoForce forces;
-  const Start start = tests::free_chain(20, 1);
-  const auto warm = verify(start.system, forces, Rattle::Options{}, 0.005, 100, start.state);
-  const auto cold = verify(start.system, forces, Rattle::Options{{}, false}, 0.005, 100, start.state);
-  EXPECT_LT(100 * warm.stats.iterations, 85 * cold.stats.iterations);
 }
 
 // A rotor that turns by 3 rad a step: no force along the old bond holds it. The plain methods say so, too.

@@ -55,22 +55,9 @@ TEST(Tension, OfAPairIsTheForceAndTheCentrifugalForce) {
 // ⟨τ⟩ = kT ∂ ln √(I₁I₂I₃)/∂d. In the trimer whose two bonds alone are rigid c = cos θ between
 // bond vectors has P(c) ∝ √(4 − c²), d² = 2b²(1 + c), so P(d) ∝ d √(4 − c²), which is exp(−A/kT)⟨w⟩.
 TEST(Tension, OfATrianglesThirdSideGivesTheTrimersDistribution) {
-  const std::string text = R"([molecule.trimer]
-atoms = [{name = "A", mass_u = 15}]
-units = 3
-bonds = [[0, 1, 0.3], [0, -1, 0.4]]
-[[place]]
-molecule = "trimer"
-count = 1
-[run]
-dt_fs = 5
-steps = 100000
-log_every = 10
-temperature_k = 300
-thermostat = "langevin"
-friction_per_ps = 5
-tension_of = [[0, -1]]
-)";
+  const std::string text = in_a_bath(
+      "trimer", "atoms = [{name = \"A\", mass_u = 15}]\nunits = 3\nbonds = [[0, 1, 0.3], [0, -1, 0.4]]",
+      100000, "[0, -1]");
   const double b = 0.3;
   const auto log_inertia = [&](double d) {  // ½ ln I₁I₂I₃ but for a constant
     const double height = std::sqrt(b * b - d * d / 4), ix = 2.0 / 3 * height * height, iy = d * d / 2;
@@ -96,22 +83,9 @@ tension_of = [[0, -1]]
 // −∫⟨τ⟩ − kT ln d = −kT ln P(d), ⟨τ⟩ = kT d ln(P/d)/dd, of Treloar's P(r)/r² (1946, doi:10.1039/TF9464200077).
 // Without it P is that of rigid bonds, and its weight is not constant.
 TEST(Tension, OfAFreelyJointedChainsEndsIsItsElasticity) {
-  const std::string text = R"([molecule.chain]
-atoms = [{name = "B", mass_u = 15}]
-units = 5
-bonds = [[0, 1, 0.3], [0, -1, 0.6]]
-[[place]]
-molecule = "chain"
-count = 1
-[run]
-dt_fs = 5
-steps = 100000
-log_every = 10
-temperature_k = 300
-thermostat = "langevin"
-friction_per_ps = 5
-tension_of = [[0, -1]]
-)";
+  const std::string text = in_a_bath(
+      "chain", "atoms = [{name = \"B\", mass_u = 15}]\nunits = 5\nbonds = [[0, 1, 0.3], [0, -1, 0.6]]",
+      100000, "[0, -1]");
   const int N = 4;
   const auto log_p = [&](double r) {  // ln P/r²
     double sum = 0, binomial = 1;
@@ -135,18 +109,14 @@ tension_of = [[0, -1]]
 
 // Of five atoms all ten distances are held, and one bond is left out: the log has what bond_tensions has.
 TEST(Tension, OfAnOverdeterminedClusterIsSharedAsInTheTrajectory) {
-  const std::string text = R"([build]
+  const std::string text =
+      R"(run = {dt_fs = 0.1, steps = 10, log_every = 10, temperature_k = 300, redundant = "drop"}
+[build]
 kind = "atoms"
 atoms = [[0, 0, 0, 10], [0.3, 0, 0, 12], [0.1, 0.3, 0, 14], [0.1, 0.1, 0.3, 16], [0.15, 0.12, -0.3, 18]]
 bonds = [[0, 1, 0.3], [0, 2, 0.31622776601683794], [1, 2, 0.36055512754639896], [0, 3, 0.33166247903554],
   [1, 3, 0.37416573867739417], [2, 3, 0.36055512754639896], [0, 4, 0.35623026261113757],
   [1, 4, 0.35623026261113757], [2, 4, 0.35341194094144583], [3, 4, 0.6023288138549]]
-[run]
-dt_fs = 0.1
-steps = 10
-log_every = 10
-temperature_k = 300
-redundant = "drop"
 )";
   const Scene all = read(text);
   for (const RigidBond& bond : all.system.bonds) {
@@ -177,15 +147,12 @@ TEST(Tension, IsRefusedOfWhatIsNoRigidBond) {
 TEST(Loads, AreMeasuredOfEveryBond) {
   const TemporaryFolder folder;
   const std::string scene = folder
-                                .write("hanging.toml", R"([build]
+                                .write("hanging.toml", R"(run = {dt_fs = 1, steps = 100, log_every = 10}
+[build]
 kind = "atoms"
 atoms = [[0, 0, 0, 0], [0, -1, 0, 2], [0, -2, 0, 3], [0, -3, 0, 5]]
 bonds = [[0, 1, 1], [1, 2, 1], [2, 3, 1]]
 gravity_nm_ps2 = [0, -10, 0]
-[run]
-dt_fs = 1
-steps = 100
-log_every = 10
 )")
                                 .string();
   const std::string out = (folder.path() / "out").string(), measured = (folder.path() / "measured").string();
@@ -204,19 +171,16 @@ log_every = 10
   EXPECT_LT(words.find("0-1"), words.find("2-3"));  // the largest first
   EXPECT_TRUE(fs::exists(measured + "/loads_in_time.csv"));
   // A pendulum let go from the horizontal: 0 there, 3mg at its lowest.
-  const std::string swings = folder
-                                 .write("swings.toml", R"([build]
+  const std::string swings =
+      folder
+          .write("swings.toml", R"(run = {dt_fs = 1, steps = 1000, trajectory = "h5md", trajectory_every = 1}
+[build]
 kind = "atoms"
 atoms = [[0, 0, 0, 0], [1, 0, 0, 2]]
 bonds = [[0, 1, 1]]
 gravity_nm_ps2 = [0, -10, 0]
-[run]
-dt_fs = 1
-steps = 1000
-trajectory = "h5md"
-trajectory_every = 1
 )")
-                                 .string();
+          .string();
   said("run " + swings + " --quiet --out " + out + "2");
   const json load = json::parse(said("measure --tensions --json " + out + "2"))["tensions"][0];
   EXPECT_NEAR(load["least_kj_mol_nm"], 0, 1e-3);

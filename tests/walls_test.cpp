@@ -145,33 +145,13 @@ TEST(Walls, BadOnesAreRefusedByName) {
 
 // A chain that is grafted to a wall: its first atom is an anchor on it.
 TEST(Walls, BearGraftedChains) {
-  const Scene scene = read(R"([atom.B]
-mass_u = 40
-sigma_nm = 0.3
-epsilon_kj_mol = 1
-[atom.G]
-mass_u = 0
-sigma_nm = 0.3
-epsilon_kj_mol = 1
-[molecule.brush]
-atoms = ["B"]
-units = 8
-first = "G"
-bonds = [[0, 1, 0.3]]
-[[place]]
-molecule = "brush"
-count = 9
-arrange = "lattice"
-within_nm = [0, 0, 0, 2.4, 2.4, 0]
-[[wall]]
-axis = "z"
-between_nm = [0, 3]
-sigma_nm = 0.3
-epsilon_kj_mol = 1
-[build]
-box_nm = [2.4, 2.4, 4.2]
-[forcefield]
-cutoff_nm = 1.0
+  const Scene scene = read(R"(atom.B = {mass_u = 40, sigma_nm = 0.3, epsilon_kj_mol = 1}
+atom.G = {mass_u = 0, sigma_nm = 0.3, epsilon_kj_mol = 1}
+molecule.brush = {atoms = ["B"], units = 8, first = "G", bonds = [[0, 1, 0.3]]}
+place = [{molecule = "brush", count = 9, arrange = "lattice", within_nm = [0, 0, 0, 2.4, 2.4, 0]}]
+wall = [{axis = "z", between_nm = [0, 3], sigma_nm = 0.3, epsilon_kj_mol = 1}]
+build = {box_nm = [2.4, 2.4, 4.2]}
+forcefield = {cutoff_nm = 1.0}
 )");
   EXPECT_EQ(scene.system.anchors(), 9);
   for (int a = 0; a < scene.system.atoms(); ++a) {
@@ -186,20 +166,12 @@ cutoff_nm = 1.0
 
 // The forces among anchors leave the pressure: it is as if the anchors did not see each other.
 TEST(Anchors, DoNotPressOnEachOther) {
-  const std::string text = R"([molecule.wall]
-atoms = [{name = "W", mass_u = 0, sigma_nm = 0.35, epsilon_kj_mol = 1, charge_e = 0.2}]
-[molecule.gas]
-atoms = [{name = "A", mass_u = 40, sigma_nm = 0.3, epsilon_kj_mol = 1, charge_e = -0.2}]
-[[place]]
-molecule = "wall"
-count = 40
-[[place]]
-molecule = "gas"
-count = 40
-[build]
-box_nm = 2.5
-[forcefield]
-cutoff_nm = 1.0
+  const std::string text =
+      R"(molecule.wall = {atoms = [{name = "W", mass_u = 0, sigma_nm = 0.35, epsilon_kj_mol = 1, charge_e = 0.2}]}
+molecule.gas = {atoms = [{name = "A", mass_u = 40, sigma_nm = 0.3, epsilon_kj_mol = 1, charge_e = -0.2}]}
+place = [{molecule = "wall", count = 40}, {molecule = "gas", count = 40}]
+build = {box_nm = 2.5}
+forcefield = {cutoff_nm = 1.0}
 )";
   for (const std::string coulomb : {"reaction-field", "pme"}) {
     Scene scene = read(text, {"forcefield.coulomb=\"" + coulomb + "\""});

@@ -227,14 +227,3 @@ def test_a_minimisation_has_a_limit_and_says_how_far_it_is(capsys):
     for wrong, words in (({"steps": 0}, "steps=0"), ({"steps": 2.5}, "whole number"), ({"force_kj_mol_nm": 0}, "more than 0")):
         with pytest.raises(taut.InputError, match=words):
             sim.minimise(**wrong)
-
-
-def test_universe():
-    pytest.importorskip("MDAnalysis", reason="needs MDAnalysis (Debian: python3-mdanalysis)")
-    sim = taut.Simulation("water", set={"build.molecules": 27, "forcefield.cutoff_nm": 0.45,
-                                        "forcefield.switch_nm": 0.4})
-    universe = sim.universe()
-    assert len(universe.residues) == 27 and len(universe.bonds) == 81
-    assert np.allclose(universe.atoms.positions, 10 * sim.positions, atol=1e-5)
-    assert np.allclose(universe.dimensions[:3], 10 * np.diag(sim.box), atol=1e-5)
-    assert universe.select_atoms("name O*").n_atoms == 27

@@ -33,159 +33,142 @@ struct Angle {
   }
 };
 
-template <class Torsion>
-Dihedral dihedral(const Torsion& t, const Vectors& x) {
-  return {x.col(t.i), x.col(t.j), x.col(t.k), x.col(t.l)};
+// What a law says of a term: its energy, and the slope of it along the distance or angle.
+struct EnergyAndSlope {
+  double energy, slope;
+};
+
+// E(r)
+template <class Term>
+double add_of_distances(const std::vector<Term>& terms, const Vectors& x, Vectors& f, const auto& law) {
+  double sum = 0;
+  for (const Term& t : terms) {
+    const Vec3 d = x.col(t.j) - x.col(t.i);
+    const double r = d.norm();
+    const EnergyAndSlope at = law(t, r);
+    sum += at.energy;
+    const Vec3 pull = (r > 0 ? at.slope / r : 0.0) * d;
+    f.col(t.i) += pull;
+    f.col(t.j) -= pull;
+  }
+  return sum;
 }
 
-template <class Torsion>
-void add_gradient(const Torsion& t, const Dihedral& d, double dE_dphi, Vectors& f) {
-  f.col(t.i) -= dE_dphi * d.grad_i;
-  f.col(t.j) -= dE_dphi * d.grad_j;
-  f.col(t.k) -= dE_dphi * d.grad_k;
-  f.col(t.l) -= dE_dphi * d.grad_l;
+// E(θ)
+template <class Term>
+double add_of_angles(const std::vector<Term>& terms, const Vectors& x, Vectors& f, const auto& law) {
+  double sum = 0;
+  for (const Term& t : terms) {
+    const Angle angle(x.col(t.i) - x.col(t.j), x.col(t.k) - x.col(t.j));
+    const EnergyAndSlope at = law(t, angle.theta);
+    sum += at.energy;
+    f.col(t.i) -= at.slope * angle.grad_i;
+    f.col(t.k) -= at.slope * angle.grad_k;
+    f.col(t.j) += at.slope * (angle.grad_i + angle.grad_k);
+  }
+  return sum;
+}
+
+// E(φ)
+template <class Term>
+double add_of_dihedrals(const std::vector<Term>& terms, const Vectors& x, Vectors& f, const auto& law) {
+  double sum = 0;
+  for (const Term& t : terms) {
+    const Dihedral d(x.col(t.i), x.col(t.j), x.col(t.k), x.col(t.l));
+    const EnergyAndSlope at = law(t, d.phi);
+    sum += at.energy;
+    f.col(t.i) -= at.slope * d.grad_i;
+    f.col(t.j) -= at.slope * d.grad_j;
+    f.col(t.k) -= at.slope * d.grad_k;
+    f.col(t.l) -= at.slope * d.grad_l;
+  }
+  return sum;
 }
 
 // E = K(1 + cos θ)
 inline double add_cosine_angles(const std::vector<CosineAngle>& angles, const Vectors& x, Vectors& f) {
-  double energy = 0;
-  for (const auto& [i, j, k, stiffness] : angles) {
-    const Angle at(x.col(i) - x.col(j), x.col(k) - x.col(j));
-    energy += stiffness * (1 + std::cos(at.theta));
-    const double slope = -stiffness * std::sin(at.theta);
-    f.col(i) -= slope * at.grad_i;
-    f.col(k) -= slope * at.grad_k;
-    f.col(j) += slope * (at.grad_i + at.grad_k);
-  }
-  return energy;
+  return add_of_angles(angles, x, f, [](const CosineAngle& t, double theta) {
+    return EnergyAndSlope{t.stiffness * (1 + std::cos(theta)), -t.stiffness * std::sin(theta)};
+  });
 }
 
 // E = ½K(cos θ − cos θ₀)²
 inline double add_cosine_squared_angles(const std::vector<CosineSquaredAngle>& angles, const Vectors& x,
                                         Vectors& f) {
-  double energy = 0;
-  for (const auto& [i, j, k, cosine, stiffness] : angles) {
-    const Angle at(x.col(i) - x.col(j), x.col(k) - x.col(j));
-    const double off = std::cos(at.theta) - cosine;
-    energy += 0.5 * stiffness * off * off;
-    const double slope = -stiffness * off * std::sin(at.theta);
-    f.col(i) -= slope * at.grad_i;
-    f.col(k) -= slope * at.grad_k;
-    f.col(j) += slope * (at.grad_i + at.grad_k);
-  }
-  return energy;
+  return add_of_angles(angles, x, f, [](const CosineSquaredAngle& t, double theta) {
+    const double off = std::cos(theta) - t.cosine;
+    return EnergyAndSlope{0.5 * t.stiffness * off * off, -t.stiffness * off * std::sin(theta)};
+  });
 }
 
 // E by a table of the distance, and by one of the angle
 inline double add_tabulated_bonds(const std::vector<TabulatedBond>& bonds, const Vectors& x, Vectors& f) {
-  double energy = 0;
-  for (const auto& [i, j, table] : bonds) {
-    const Vec3 d = x.col(j) - x.col(i);
-    const PlainSpline spline(*table);
-    energy += spline.value(d.norm());
-    const Vec3 pull = spline.slope(d.norm()) / d.norm() * d;
-    f.col(i) += pull;
-    f.col(j) -= pull;
-  }
-  return energy;
+  return add_of_distances(bonds, x, f, [](const TabulatedBond& t, double r) {
+    const PlainSpline spline(*t.energy);
+    return EnergyAndSlope{spline.value(r), spline.slope(r)};
+  });
 }
 inline double add_tabulated_angles(const std::vector<TabulatedAngle>& angles, const Vectors& x, Vectors& f) {
-  double energy = 0;
-  for (const auto& [i, j, k, table] : angles) {
-    const Angle at(x.col(i) - x.col(j), x.col(k) - x.col(j));
-    const PlainSpline spline(*table);
-    energy += spline.value(at.theta);
-    const double slope = spline.slope(at.theta);
-    f.col(i) -= slope * at.grad_i;
-    f.col(k) -= slope * at.grad_k;
-    f.col(j) += slope * (at.grad_i + at.grad_k);
-  }
-  return energy;
+  return add_of_angles(angles, x, f, [](const TabulatedAngle& t, double theta) {
+    const PlainSpline spline(*t.energy);
+    return EnergyAndSlope{spline.value(theta), spline.slope(theta)};
+  });
 }
 
 // E = ½k(r − d)²
 inline double add_bonds(const std::vector<HarmonicBond>& bonds, const Vectors& x, Vectors& f) {
-  double energy = 0;
-  for (const auto& [i, j, length, k] : bonds) {
-    const Vec3 d = x.col(j) - x.col(i);
-    const double r = d.norm(), stretch = r - length;
-    energy += 0.5 * k * stretch * stretch;
-    const Vec3 pull = d * (r > 0 ? k * stretch / r : 0.0);
-    f.col(i) += pull;
-    f.col(j) -= pull;
-  }
-  return energy;
+  return add_of_distances(bonds, x, f, [](const HarmonicBond& t, double r) {
+    const double stretch = r - t.length;
+    return EnergyAndSlope{0.5 * t.k * stretch * stretch, t.k * stretch};
+  });
 }
 
 // E = ½k(θ − θ₀)²
 inline double add_angles(const std::vector<HarmonicAngle>& angles, const Vectors& x, Vectors& f) {
-  double energy = 0;
-  for (const auto& [i, j, k, angle, stiffness] : angles) {
-    const Angle a(x.col(i) - x.col(j), x.col(k) - x.col(j));
-    const double bend = a.theta - angle;
-    energy += 0.5 * stiffness * bend * bend;
-    f.col(i) -= stiffness * bend * a.grad_i;
-    f.col(k) -= stiffness * bend * a.grad_k;
-    f.col(j) += stiffness * bend * (a.grad_i + a.grad_k);
-  }
-  return energy;
+  return add_of_angles(angles, x, f, [](const HarmonicAngle& t, double theta) {
+    const double bend = theta - t.angle;
+    return EnergyAndSlope{0.5 * t.stiffness * bend * bend, t.stiffness * bend};
+  });
 }
 
 // E = k(1 + cos(nφ − φ₀))
 inline double add_torsions(const std::vector<PeriodicTorsion>& torsions, const Vectors& x, Vectors& f) {
-  double energy = 0;
-  for (const auto& t : torsions) {
-    const Dihedral d = dihedral(t, x);
-    const double argument = t.periodicity * d.phi - t.phase;
-    energy += t.amplitude * (1 + std::cos(argument));
-    add_gradient(t, d, -t.amplitude * t.periodicity * std::sin(argument), f);
-  }
-  return energy;
+  return add_of_dihedrals(torsions, x, f, [](const PeriodicTorsion& t, double phi) {
+    const double argument = t.periodicity * phi - t.phase;
+    return EnergyAndSlope{t.amplitude * (1 + std::cos(argument)),
+                          -t.amplitude * t.periodicity * std::sin(argument)};
+  });
 }
 
 // E = Σ c_n cosⁿψ, ψ = φ − π: cos ψ = −cos φ and dE/dφ = sin φ dE/d(cos ψ)
 // (Ryckaert and Bellemans 1975, doi:10.1016/0009-2614(75)85513-8).
 inline double add_rb_torsions(const std::vector<RyckaertBellemans>& torsions, const Vectors& x, Vectors& f) {
-  double energy = 0;
-  for (const auto& t : torsions) {
-    const Dihedral d = dihedral(t, x);
-    const double u = -std::cos(d.phi);
+  return add_of_dihedrals(torsions, x, f, [](const RyckaertBellemans& t, double phi) {
+    const double u = -std::cos(phi);
     double value = 0, slope = 0;  // Horner
     for (int n = 5; n >= 0; --n) {
       slope = slope * u + value;
       value = value * u + t.c[n];
     }
-    energy += value;
-    add_gradient(t, d, slope * std::sin(d.phi), f);
-  }
-  return energy;
+    return EnergyAndSlope{value, slope * std::sin(phi)};
+  });
 }
 
 // E = ½k d², d = φ − φ₀ between −π and π
 inline double add_harmonic_torsions(const std::vector<HarmonicTorsion>& torsions, const Vectors& x,
                                     Vectors& f) {
-  double energy = 0;
-  for (const auto& t : torsions) {
-    const Dihedral d = dihedral(t, x);
-    const double turn = std::remainder(d.phi - t.angle, 2 * std::numbers::pi);
-    energy += 0.5 * t.stiffness * turn * turn;
-    add_gradient(t, d, t.stiffness * turn, f);
-  }
-  return energy;
+  return add_of_dihedrals(torsions, x, f, [](const HarmonicTorsion& t, double phi) {
+    const double turn = std::remainder(phi - t.angle, 2 * std::numbers::pi);
+    return EnergyAndSlope{0.5 * t.stiffness * turn * turn, t.stiffness * turn};
+  });
 }
 
 // E = −½k r₀² ln(1 − (r/r₀)²) (Kremer and Grest 1990, doi:10.1063/1.458541)
 inline double add_fene(const std::vector<Fene>& bonds, const Vectors& x, Vectors& f) {
-  double energy = 0;
-  for (const auto& [i, j, k, r0] : bonds) {
-    const Vec3 d = x.col(j) - x.col(i);
-    const double slack = 1 - d.squaredNorm() / (r0 * r0);
-    energy -= 0.5 * k * r0 * r0 * std::log(slack);
-    const Vec3 pull = d * (k / slack);
-    f.col(i) += pull;
-    f.col(j) -= pull;
-  }
-  return energy;
+  return add_of_distances(bonds, x, f, [](const Fene& t, double r) {
+    const double slack = 1 - r * r / (t.r0 * t.r0);
+    return EnergyAndSlope{-0.5 * t.k * t.r0 * t.r0 * std::log(slack), t.k * r / slack};
+  });
 }
 
 // E = 4ε((σ/r)¹² − (σ/r)⁶) + k qq/r
