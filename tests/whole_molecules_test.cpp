@@ -10,6 +10,7 @@
 #include <random>
 
 #include "base/errors.hpp"
+#include "base/listen.hpp"
 #include "base/random.hpp"
 #include "error_message.hpp"
 #include "force_checks.hpp"
@@ -329,7 +330,8 @@ TEST(LinkedRings, AreSaidWherePairsKeepBondsApart) {
   EXPECT_THAT(linked_rings_message(sys, terms, s),
               testing::StartsWith(
                   "a pair of the 2 rings is linked, the first those of atoms 0 and 20, and stays so"));
-  EXPECT_THROW(linked_rings_message(sys, terms, s, [] { throw InputError("stop"); }), InputError);
+  const ListenScope stopping([] { throw InputError("stop"); });
+  EXPECT_THROW(linked_rings_message(sys, terms, s), InputError);
 }
 
 }  // namespace
