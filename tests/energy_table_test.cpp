@@ -96,7 +96,7 @@ TEST(EnergyTable, ConservesTheEnergyOfARun) {
 TEST(EnergyTable, ForcesAreHeldAgainstEnergies) {
   EXPECT_EQ(Folder().said(), "no error");
   EXPECT_THAT(Folder(bond_table(-1)).said(),
-              HasSubstr("scene.toml:4: molecule.cg.tables.0.file: bond.csv:3: the forces around 0.205 nm"));
+              HasSubstr("scene.toml:8: molecule.cg.tables.0.file: bond.csv:3: the forces around 0.205 nm"));
   EXPECT_THAT(Folder(bond_table(0.95)).said(), HasSubstr("bond.csv:3: the forces around"));
   EXPECT_EQ(Folder(bond_table(0.995)).said(), "no error");
   // one energy of all is wrong
