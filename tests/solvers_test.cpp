@@ -152,6 +152,17 @@ TEST(Settle, RefusesWhatIsNoWater) {
   refused(Eigen::VectorXd{{16, 1, 1, 1}}, {{0, 1, 0.1}, {0, 2, 0.1}, {1, 2, 0.15}, {0, 3, 0.1}});
 }
 
+TEST(SettleAndNewton, AgreeToRoundOff) {
+  NoForce forces;
+  const Start start = tests::waters(4, 12, 400);
+  const auto settle = verify(start.system, forces, Settle::Options{}, 0.002, 200, start.state);
+  const auto newton = verify(start.system, forces, tight<Newton::Options>(), 0.002, 200, start.state);
+  ASSERT_TRUE(settle.stats.converged() && newton.stats.converged());
+  EXPECT_LT(settle.bond_error, 1e-13);
+  EXPECT_LT((settle.end.x - newton.end.x).cwiseAbs().maxCoeff(), 1e-11);
+  EXPECT_LT((settle.end.v - newton.end.v).cwiseAbs().maxCoeff(), 1e-9);
+}
+
 // What the expansion leaves shrinks by C's largest eigenvalue a power, and the turning's error is squared a
 // correction.
 TEST(Lincs, ConvergesWithOrderAndIterations) {
