@@ -149,7 +149,7 @@ EvenMeans::EvenMeans(std::span<const double> t) : samples_(t.size()) {
 }
 
 std::vector<double> EvenMeans::of(std::span<const double> y) const {
-  if (shares_.empty()) return {y.begin(), y.end()};
+  if (shares_.empty()) return {y.begin(), y.end()};  // even times: one sample an interval
   std::vector<double> sum(intervals_, 0.0), time(intervals_, 0.0);
   for (const auto& [interval, sample, share] : shares_) {
     sum[interval] += share * y[sample];
@@ -160,7 +160,7 @@ std::vector<double> EvenMeans::of(std::span<const double> y) const {
 }
 
 std::size_t EvenMeans::first_sample(std::size_t interval) const {
-  if (shares_.empty()) return std::min(interval, samples_);
+  if (shares_.empty()) return std::min(interval, samples_);  // even times: one sample an interval
   const auto at = std::ranges::lower_bound(shares_, interval, {}, &Share::interval);
   return at == shares_.end() ? samples_ : at->sample;
 }

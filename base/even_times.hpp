@@ -37,7 +37,7 @@ class EvenMeans {
  private:
   struct Share {
     std::size_t interval, sample;
-    double time;
+    double time;  // of the interval that the sample stands for [intervals]
   };
   std::size_t samples_;
   std::size_t intervals_ = 0;

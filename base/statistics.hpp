@@ -68,7 +68,8 @@ class RunningMean {
   std::array<double, kMost> blocks_{};  // their means
   long length_ = 0;                     // of a block [steps]; at first those of the first number
   int full_ = 0;                        // how many there are
-  double open_ = 0, sum_ = 0;           // of the block that is not full, of all: numbers times steps
+  // Σ number × its steps, and Σ steps: of the last block, which is not full, and of the whole run.
+  double open_ = 0, sum_ = 0;
   long in_open_ = 0, steps_ = 0;
 };
 

@@ -31,8 +31,8 @@ class Projector {
 
  private:
   DirectSolver solver_;
-  Vectors r_, v_ij_;   // 3 × m
-  Eigen::VectorXd b_;  // m
+  Vectors r_, v_ij_;   // 3 × m, bond vectors and their rates of change
+  Eigen::VectorXd b_;  // m, right-hand side, then solution
 };
 
 // Sets the velocities of anchors (atoms of mass 0) to 0, and returns those that were not 0 before.

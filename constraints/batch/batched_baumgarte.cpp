@@ -186,7 +186,7 @@ struct BaumgarteKernel {
   HWY_INLINE void end(SolveStats& stats) {
     if (step.noise) forces_without_noise(shape, part, step.f, past.lambda, rows.r, rows.f);
     scatter(shape, part, rows.f, step.f);
-    if (!stats.converged() || worst.within(stats.max_residual)) return;
+    if (!stats.converged() || worst.within(stats.max_residual)) return;  // a larger one is known
     find_residuals(part.batch, rows.x, eq.b);
     record_largest(part, eq.b, stats);
   }

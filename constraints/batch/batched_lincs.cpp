@@ -136,7 +136,7 @@ HWY_INLINE void lincs_positions_of(const Shape shape, LincsBatch& batch, const L
                                 load3(rows.B + 3 * k * kLanes), rows.v);
   scatter(shape, part, rows.x, step.x);
   scatter(shape, part, rows.v, step.v);
-  if (worst.within(stats.max_residual)) return;
+  if (worst.within(stats.max_residual)) return;  // a larger one is known
   find_residuals(part.batch, rows.x, rows.rhs);
   record_largest(part, rows.rhs, stats);
 }

@@ -140,7 +140,7 @@ struct NewtonKernel {
     }
     scatter(shape, part, rows.x, step.x);
     scatter(shape, part, rows.v, step.v);
-    if (worst.within(stats.max_residual)) return;
+    if (worst.within(stats.max_residual)) return;  // a larger one is known
     find_residuals(part.batch, rows.x, eq.b);
     record_largest(part, eq.b, stats);
   }

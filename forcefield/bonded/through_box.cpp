@@ -10,8 +10,9 @@
 namespace taut {
 namespace {
 
+// Moves the terms of molecules that meet their own image through the box to another list.
 template <class Term>
-void take(const System& sys, std::vector<Term>& from, std::vector<Term>& to) {
+void move_bonded_through_box(const System& sys, std::vector<Term>& from, std::vector<Term>& to) {
   const auto stays = [&](const Term& term) { return sys.reach_of(atoms_of(term)[0]) == Reach::kWhole; };
   const auto first = std::stable_partition(from.begin(), from.end(), stays);
   to.assign(std::make_move_iterator(first), std::make_move_iterator(from.end()));
@@ -31,11 +32,11 @@ BondedThroughBox::BondedThroughBox(const System& sys, Terms& terms, std::vector<
       });
     }
   };
-  for_each_list([&](auto list) { take(sys, terms.*list, own_.*list); });
-  take(sys, terms.cmaps, own_.cmaps);
+  for_each_list([&](auto list) { move_bonded_through_box(sys, terms.*list, own_.*list); });
+  move_bonded_through_box(sys, terms.cmaps, own_.cmaps);
   own_.maps = terms.maps;
   std::vector<PairException> pairs;
-  take(sys, exceptions, pairs);
+  move_bonded_through_box(sys, exceptions, pairs);
   Terms on_copies = own_;
   for_each_list([&](auto list) { copy(on_copies.*list); });
   copy(on_copies.cmaps);

@@ -69,8 +69,11 @@ HWY_INLINE void store(const V* value, int edge, int first, Numbers<order>& out) 
     hn::StoreInterleaved4(of(k), of(k + 1), of(k + 2), of(k + 3), d, out.along[k / 4][first]);
 }
 
+enum class Find { kWeights, kWeightsAndSlopes };
+
+// Slopes come of the weights of one order less, in passing.
 template <int order>
-HWY_INLINE void find_splines(MeshAtoms<Real> atoms, bool slopes, Splines<order>& out) {
+HWY_INLINE void find_splines(MeshAtoms<Real> atoms, Find what, Splines<order>& out) {
   const D d;
   HWY_ALIGN Real above[3][kTogether];
   for (int edge = 0; edge < 3; ++edge) {
@@ -85,7 +88,7 @@ HWY_INLINE void find_splines(MeshAtoms<Real> atoms, bool slopes, Splines<order>&
       value[1] = w;
 #pragma GCC unroll 8
       for (int n = 3; n <= order; ++n) {
-        if (n == order && slopes) {
+        if (n == order && what == Find::kWeightsAndSlopes) {
           V slope[order];
           slope[0] = -value[0];
 #pragma GCC unroll 8
@@ -256,7 +259,7 @@ void spread(MeshGrid<Real> grid, const PlanesAbove& planes, MeshAtoms<Real> atom
   of_order(grid.order, [&]<int order>() HWY_ATTR {
     Splines<order> splines;
     some_at_a_time(atoms, [&](MeshAtoms<Real> some) HWY_ATTR {
-      find_splines<order>(some, false, splines);
+      find_splines<order>(some, Find::kWeights, splines);
       spread_of<order>(grid, planes, some, splines);
     });
   });
@@ -270,7 +273,7 @@ void forces(MeshGrid<Real> grid, MeshAtoms<Real> atoms, const Eigen::Matrix3d& t
         hwy::Prefetch(f.data() + 3 * std::ptrdiff_t{atom.atom});
         prefetch_last_plane<order>(grid, atom);
       }
-      find_splines<order>(some, true, splines);
+      find_splines<order>(some, Find::kWeightsAndSlopes, splines);
       for (int a = 0; a < static_cast<int>(some.size()); ++a) {
         const auto slope = slope_of<order>(grid, some[a], splines, a);
         double* const at = f.data() + 3 * std::ptrdiff_t{some[a].atom};

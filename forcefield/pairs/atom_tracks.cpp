@@ -26,7 +26,9 @@ HWY_INLINE FourV squared(const FourV (&r)[3]) {
   return r[2] * r[2] + r[1] * r[1] + r[0] * r[0];
 }
 
-// An atom without a history, or one that seems to move too far, as after a jump, gets the widest margin.
+// Puts the centre of each margin halfway along the way w that the atom is expected to go, so that a margin of |w|/2
+// covers all of it. An atom without a history, or one that seems to move too far, as after a jump, stays the centre
+// itself and gets the widest margin.
 double look_ahead_simd(const AtomTracks::Course& course, const Share& clusters, float* places) {
   const Four d;
   const FourRounded f;
@@ -43,15 +45,15 @@ double look_ahead_simd(const AtomTracks::Course& course, const Share& clusters, 
         way[k] = course.weight[0] * x[k];
         for (int n = 1; n < 3; ++n) way[k] += course.weight[n] * hn::LoadU(d, course.x[n] + at);
       }
-      const FourV length = 0.5 * hn::Sqrt(squared(way));
-      const auto goes = length <= farthest;
+      const FourV half_way = 0.5 * hn::Sqrt(squared(way));
+      const auto trusted = half_way <= farthest;  // false for NaN
       for (int k = 0; k < 3; ++k) {
-        hn::StoreU(hn::DemoteTo(f, x[k] + hn::IfThenElseZero(goes, 0.5 * way[k])), f, to + 4 * k);
-        off[k] = rounded(to + 4 * k) - x[k];
+        hn::StoreU(hn::DemoteTo(f, x[k] + hn::IfThenElseZero(trusted, 0.5 * way[k])), f, to + 4 * k);
+        off[k] = rounded(to + 4 * k) - x[k];  // w/2 as the list has it, rounded
       }
-      const FourV margin = hn::Sqrt(squared(off)) + hn::IfThenElse(goes, spare, unknown);
+      const FourV margin = hn::Sqrt(squared(off)) + hn::IfThenElse(trusted, spare, unknown);
       hn::StoreU(hn::DemoteTo(f, margin), f, to + 12);
-      sum += hn::IfThenElse(goes, length, farthest);
+      sum += hn::IfThenElse(trusted, half_way, farthest);
     }
   return hn::GetLane(hn::SumOfLanes(d, sum));
 }

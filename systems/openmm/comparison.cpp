@@ -85,6 +85,8 @@ class Line {
   Line(const Line&) = delete;
   Line& operator=(const Line&) = delete;
 
+  // Compares at places all over the range, and at and right beside the numbers that stand in the energies, where
+  // branches may turn; then between neighbours whose branches differ.
   bool agree(const std::vector<double>& numbers, Random& random) {
     std::vector<double> places;
     for (int k = 0; k < kPlaces; ++k)
