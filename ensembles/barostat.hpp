@@ -7,11 +7,11 @@
 
 namespace taut {
 
-// The forces of a run, with what evaluating them gave besides. Barostats ask it for the virial.
+// The forces of a run, with what else the last evaluation gave. Barostats take the virial of it.
 struct RunForces final : ForceLaw {
   explicit RunForces(ForceField its_field) : field(std::move(its_field)) {}
   void evaluate(const System& sys, State& s) override {
-    field.evaluate(sys, s, besides);
+    field.evaluate(sys, s, evaluation);
     if (holds_centre) take_out_net_force(sys, s.f);
   }
 
@@ -19,7 +19,7 @@ struct RunForces final : ForceLaw {
   // momentum out after it came, step by step, lets the centre slide down its potential and cools what pushes it.
   bool holds_centre = false;
   ForceField field;
-  ForceField::Evaluation besides;  // where the forces were evaluated last
+  ForceField::Evaluation evaluation;  // of the last call
 
  private:
   static void take_out_net_force(const System& sys, Vectors& f) {

@@ -28,7 +28,8 @@ CellRescaling::CellRescaling(const System& sys, const std::vector<int>& group, c
       random_{coupling.seed} {}
 
 Vec3 CellRescaling::pressure(double h, const State& s) const {
-  const Vec3 virial = forces_.field.virial(s, forces_.besides).diagonal() - centres_.inner_virial(s.x, s.F);
+  const Vec3 virial =
+      forces_.field.virial(s, forces_.evaluation).diagonal() - centres_.inner_virial(s.x, s.F);
   return (centres_.twice_kinetic(s.v, 0.5 * h, s.f) + virial) / s.box.volume();
 }
 

@@ -105,7 +105,7 @@ struct ForceField::Impl {
   }
 
   // Pairs that act on every atom overwrite the forces, which need not be cleared; all others add to them.
-  void evaluate(const System& sys, const State& s, Vectors& f, Evaluation& besides) {
+  void evaluate(const System& sys, const State& s, Vectors& f, Evaluation& evaluation) {
     const Vectors& x = s.x;
     place_atoms(x, s.box);
     f.resize(3, x.cols());
@@ -115,22 +115,22 @@ struct ForceField::Impl {
     if (!overwrite) clear(f);
     if (first != nullptr) first->add_forces(f, overwrite ? kOverwrite : kAdd);
     hear();
-    if (pme) besides.mesh = pme->add_forces(x, f);
+    if (pme) evaluation.mesh = pme->add_forces(x, f);
     if (wca && &*wca != first) wca->add_forces(f);
     if (tables && &*tables != first) tables->add_forces(f);
     hear();
-    add_bonded_and_fields(sys, s, f, besides);
+    add_bonded_and_fields(sys, s, f, evaluation);
     hear();
   }
 
   // The energy alone, for which forces of pairs are not computed: f gets the others.
-  double evaluate_energy(const System& sys, const State& s, Vectors& f, Evaluation& besides) {
+  double evaluate_energy(const System& sys, const State& s, Vectors& f, Evaluation& evaluation) {
     place_atoms(s.x, s.box);
     f.resize(3, s.x.cols());
     clear(f);
-    add_bonded_and_fields(sys, s, f, besides);
-    if (pme) besides.mesh = pme->add_forces(s.x, f);
-    return sum_of(energies(besides));
+    add_bonded_and_fields(sys, s, f, evaluation);
+    if (pme) evaluation.mesh = pme->add_forces(s.x, f);
+    return sum_of(energies(evaluation));
   }
 
   static void clear(Vectors& f) {
@@ -138,18 +138,18 @@ struct ForceField::Impl {
              [&](int first, int last) { f.middleCols(first, last - first).setZero(); });
   }
 
-  void add_bonded_and_fields(const System& sys, const State& s, Vectors& f, Evaluation& besides) {
-    besides.bonded = {};
+  void add_bonded_and_fields(const System& sys, const State& s, Vectors& f, Evaluation& evaluation) {
+    evaluation.bonded = {};
     if (bonded.pieces().count() > 0) {
       const PartScope here(StepPart::kBonded);
-      besides.bonded = bonded.add_forces(s.x, f);
+      evaluation.bonded = bonded.add_forces(s.x, f);
     }
     if (through_box.pieces() > 0) {
       const PartScope here(StepPart::kBonded);
       const BondedForces::KindEnergies more = through_box.add_forces(s.box, s.x, f);
-      for (std::size_t k = 0; k < more.size(); ++k) besides.bonded[k] += more[k];
+      for (std::size_t k = 0; k < more.size(); ++k) evaluation.bonded[k] += more[k];
     }
-    add_fields(sys, s, f, besides);
+    add_fields(sys, s, f, evaluation);
   }
 
   bool has_fields() const {
@@ -158,28 +158,28 @@ struct ForceField::Impl {
   }
 
   // Of forces from outside.
-  void add_fields(const System& sys, const State& s, Vectors& f, Evaluation& besides) const {
+  void add_fields(const System& sys, const State& s, Vectors& f, Evaluation& evaluation) const {
     const Vectors& x = s.x;
-    Energies& fields = besides.fields;
+    Energies& fields = evaluation.fields;
     fields.clear();
     if (!has_fields()) return;
     const PartScope here(StepPart::kFields);
     if (terms.gravity) fields.emplace_back("gravity", add_gravity(*terms.gravity, sys.mass, x, f));
-    besides.steering = {};
+    evaluation.steering = {};
     if (!terms.pulls.empty())
       fields.emplace_back(
           "pull", terms.pull_factor.empty()
                       ? add_pulls(terms.pulls, x, f)
-                      : add_changing_pulls(terms.pulls, terms.pull_factor, s.t, x, f, besides.steering));
+                      : add_changing_pulls(terms.pulls, terms.pull_factor, s.t, x, f, evaluation.steering));
     if (!terms.restraints.empty())
       fields.emplace_back("restraint", add_restraints(terms.restraints, box, x, f));
-    if (!terms.walls.empty()) fields.emplace_back("wall", add_walls(x, f, besides.wall_pushes));
+    if (!terms.walls.empty()) fields.emplace_back("wall", add_walls(x, f, evaluation.wall_pushes));
     if (!terms.steered.empty())
-      fields.emplace_back("steered", add_steering(terms.steered, s.t, x, f, besides.steering));
+      fields.emplace_back("steered", add_steering(terms.steered, s.t, x, f, evaluation.steering));
     if (!terms.biases.empty()) {
-      add_biases(terms.biases, s, f, besides.biases);
-      besides.steering.power += besides.biases.power;
-      fields.emplace_back("bias", besides.biases.energy);
+      add_biases(terms.biases, s, f, evaluation.biases);
+      evaluation.steering.power += evaluation.biases.power;
+      fields.emplace_back("bias", evaluation.biases.energy);
     }
     for (const auto& field : terms.own) fields.emplace_back(field->name(), field->add(x, f));
   }
@@ -191,17 +191,17 @@ struct ForceField::Impl {
     return energy;
   }
 
-  Energies energies(const Evaluation& besides) {
+  Energies energies(const Evaluation& evaluation) {
     BondedForces::KindCounts counts = bonded.counts();
     for (std::size_t k = 0; k < counts.size(); ++k) counts[k] += through_box.counts()[k];
-    Energies all = BondedForces::by_name(besides.bonded, counts);
+    Energies all = BondedForces::by_name(evaluation.bonded, counts);
     if (lj_coulomb)
-      all.emplace_back("lj_coulomb",
-                       lj_coulomb->energy() + BondedForces::exception_energy(besides.bonded) + besides.mesh);
+      all.emplace_back("lj_coulomb", lj_coulomb->energy() +
+                                         BondedForces::exception_energy(evaluation.bonded) + evaluation.mesh);
     if (dispersion) all.emplace_back("dispersion", *dispersion / box.volume());
     if (wca) all.emplace_back("wca", wca->energy());
     if (tables) all.emplace_back("tabulated_pairs", tables->energy());
-    all.insert(all.end(), besides.fields.begin(), besides.fields.end());
+    all.insert(all.end(), evaluation.fields.begin(), evaluation.fields.end());
     return all;
   }
 };
@@ -212,45 +212,45 @@ ForceField::~ForceField() = default;
 ForceField::ForceField(ForceField&&) noexcept = default;
 ForceField& ForceField::operator=(ForceField&&) noexcept = default;
 
-void ForceField::evaluate(const System& sys, State& s, Evaluation& besides) {
+void ForceField::evaluate(const System& sys, State& s, Evaluation& evaluation) {
   place_virtual_sites(sys, s.x);
-  impl_->evaluate(sys, s, s.f, besides);
-  besides.site_virial.setZero();
+  impl_->evaluate(sys, s, s.f, evaluation);
+  evaluation.site_virial.setZero();
   if (!sys.sites.empty())
-    besides.site_virial = in_part(StepPart::kSites, [&] { return hand_to_parents(sys.sites, s.x, s.f); });
+    evaluation.site_virial = in_part(StepPart::kSites, [&] { return hand_to_parents(sys.sites, s.x, s.f); });
 }
 
 void ForceField::evaluate(const System& sys, State& s) {
-  Evaluation besides;
-  evaluate(sys, s, besides);
+  Evaluation evaluation;
+  evaluate(sys, s, evaluation);
 }
 
 double ForceField::evaluate_energy(const System& sys, State& s) {
-  Evaluation besides;
-  evaluate(sys, s, besides);
-  return potential(s, besides);
+  Evaluation evaluation;
+  evaluate(sys, s, evaluation);
+  return potential(s, evaluation);
 }
 
 double ForceField::evaluate_energy_alone(const System& sys, State& s) {
   place_virtual_sites(sys, s.x);
-  Evaluation besides;
-  return impl_->evaluate_energy(sys, s, s.f, besides);
+  Evaluation evaluation;
+  return impl_->evaluate_energy(sys, s, s.f, evaluation);
 }
 
 std::string ForceField::lack_of_room(const Box& box) const {
   return taut::lack_of_room(impl_->terms, box);
 }
 
-double ForceField::potential(const State& at, const Evaluation& besides) {
-  return sum_of(energies(at, besides));
+double ForceField::potential(const State& at, const Evaluation& evaluation) {
+  return sum_of(energies(at, evaluation));
 }
 
-Energies ForceField::energies(const State& at, const Evaluation& besides) {
+Energies ForceField::energies(const State& at, const Evaluation& evaluation) {
   impl_->place_atoms(at.x, at.box);
-  return impl_->energies(besides);
+  return impl_->energies(evaluation);
 }
 
-Eigen::Matrix3d ForceField::virial(const State& at, const Evaluation& besides) {
+Eigen::Matrix3d ForceField::virial(const State& at, const Evaluation& evaluation) {
   const Vectors& x = at.x;
   impl_->place_atoms(x, at.box);
   Vectors& f = impl_->bonded_forces;
@@ -265,8 +265,8 @@ Eigen::Matrix3d ForceField::virial(const State& at, const Evaluation& besides) {
   if (impl_->wca) sum += impl_->wca->virial();
   if (impl_->tables) sum += impl_->tables->virial();
   if (impl_->dispersion) sum.diagonal().array() += impl_->dispersion_virial / impl_->box.volume();
-  if (!impl_->terms.biases.empty()) sum += besides.biases.virial;
-  return sum + besides.site_virial - impl_->frozen.virial(at);
+  if (!impl_->terms.biases.empty()) sum += evaluation.biases.virial;
+  return sum + evaluation.site_virial - impl_->frozen.virial(at);
 }
 
 void ForceField::serialize(Archive& archive) {

@@ -35,7 +35,7 @@ class ForceField final : public ForceLaw {
   // a position that is not finite or absurd, before any force sees it (check_positions.hpp).
   void evaluate(const System& sys, State& s) override;
 
-  // What evaluating the forces at a place gives besides them, at no cost. It is kept by the caller, who hands
+  // What evaluating the forces at a place gives evaluation them, at no cost. It is kept by the caller, who hands
   // it back for energies and the virial at that place: own fields are never asked twice.
   struct Evaluation {
     std::array<double, 12> bonded{};  // energy by kind of bonded term [kJ/mol]
@@ -48,7 +48,7 @@ class ForceField final : public ForceLaw {
   };
   // Hears (base/listen.hpp) while it makes pair lists, the first of which take longer than the forces, and after each
   // kind of forces. What that throws leaves s.f meaningless and lists that the next call can use or makes anew.
-  void evaluate(const System& sys, State& s, Evaluation& besides);
+  void evaluate(const System& sys, State& s, Evaluation& evaluation);
 
   // Sets s.f = F(s.x) and returns the potential energy [kJ/mol].
   double evaluate_energy(const System& sys, State& s);
@@ -58,17 +58,17 @@ class ForceField final : public ForceLaw {
   // What in a box would be too narrow for a cutoff; empty: nothing.
   std::string lack_of_room(const Box& box) const;
 
-  // The potential energy at `at`, where evaluate() gave `besides` [kJ/mol]. The energies of pairs are summed
+  // The potential energy at `at`, where evaluate() gave `evaluation` [kJ/mol]. The energies of pairs are summed
   // here: a step that needs none does not pay for them.
-  double potential(const State& at, const Evaluation& besides);
+  double potential(const State& at, const Evaluation& evaluation);
   // The same term by term, only the terms there are: ("angle", 12.3), ...
-  Energies energies(const State& at, const Evaluation& besides);
+  Energies energies(const State& at, const Evaluation& evaluation);
 
   // −dE/dstrain there, atoms and box strained alike [kJ/mol]; its trace is −3V dE/dV. It is Σ r⊗f of pairs at
   // their nearest images, Σ x⊗f of what acts within molecules, which are whole, and that of biases (bias.hpp) and of
   // the dispersion correction (dispersion.hpp). Fields from outside have none, and so have pairs of atoms that
   // never move.
-  Eigen::Matrix3d virial(const State& at, const Evaluation& besides);
+  Eigen::Matrix3d virial(const State& at, const Evaluation& evaluation);
 
   // Which pairs are listed, in which order: the order of the sums depends on it.
   void serialize(Archive& archive);

@@ -113,9 +113,9 @@ const Eigen::Matrix3d& FrozenPairs::virial(const State& at) {
   System alone = make_system(Eigen::VectorXd::Ones(x.cols()), {});  // that may move
   alone.reach = reach_;
   ForceField forces(alone, at.box, *terms_);
-  ForceField::Evaluation besides;
-  forces.evaluate(alone, at_, besides);
-  return virial_ = forces.virial(at_, besides);
+  ForceField::Evaluation evaluation;
+  forces.evaluate(alone, at_, evaluation);
+  return virial_ = forces.virial(at_, evaluation);
 }
 
 }  // namespace taut

@@ -48,8 +48,8 @@ struct Simulation::Inner {
   DriftVelocity drift;
   std::optional<HeldBonds> held;  // of run.tension_of
   struct Note {
-    std::string numbers;             // what serialize_numbers() kept
-    ForceField::Evaluation besides;  // and what evaluating them gave besides
+    std::string numbers;                // what serialize_numbers() kept
+    ForceField::Evaluation evaluation;  // of the forces at that state
   };
   Note note;
 };

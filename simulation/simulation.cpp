@@ -97,7 +97,7 @@ Simulation::Simulation(Scene scene, const ThreadScope&)
   if (inner_->metric) refuse_springs_under_metric(*method_);
   refuse_method_of_moved_bonds(sys, inner_->anchors, scene_.method, *method_);
   refuse_thermostat_of_moved_bonds(sys, inner_->anchors, scene_.run);
-  if (scene_.terms.worked_in_time()) inner_->ensemble.steering.emplace(inner_->forces.besides);
+  if (scene_.terms.worked_in_time()) inner_->ensemble.steering.emplace(inner_->forces.evaluation);
   size_sums();
   make_thermostat();
   bring_to_the_bonds(
@@ -261,7 +261,7 @@ Eigen::VectorXd Simulation::bond_tensions() const {
 
 Energies Simulation::energies() const {
   const ThreadScope own(threads_);
-  return inner_->forces.field.energies(state_, inner_->forces.besides);
+  return inner_->forces.field.energies(state_, inner_->forces.evaluation);
 }
 
 int Simulation::clusters() const {
@@ -312,7 +312,7 @@ Record Simulation::record(const Vectors& thermal) const {
   Record r;
   r.step = progress_.step;
   r.t = state_.t;
-  r.potential = inner_->forces.field.potential(state_, inner_->forces.besides) +
+  r.potential = inner_->forces.field.potential(state_, inner_->forces.evaluation) +
                 method_->spring_energy(scene_.system, state_.x);
   r.kinetic = kinetic_energy(scene_.system, velocity());
   r.temperature = temperature(kinetic_energy(scene_.system, thermal), dof_.total());
@@ -327,7 +327,7 @@ std::optional<Eigen::Matrix3d> Simulation::pressure_tensor(const Vectors& therma
   const State now{state_.x,
                   has_springs() ? kicked_velocity() : thermal,  // in which springs' motion has its part
                   state_.F, state_.t, state_.box};
-  return pressure(scene_.system, inner_->forces.field, now, inner_->forces.besides, multipliers(now));
+  return pressure(scene_.system, inner_->forces.field, now, inner_->forces.evaluation, multipliers(now));
 }
 
 double Simulation::constraint_work() const {
@@ -370,7 +370,7 @@ void Simulation::serialize_numbers(Archive& archive) {
   if (archive.within_process()) archive(F);  // from a file it is evaluated
   archive.demand(0 <= fixed && fixed <= static_cast<int>(RigidMotions::Which::kAllThatMoveNoAnchor));
   archive.demand_count(progress_.step);
-  archive.demand_count(progress_.since.iterations);
+  archive.demand_count(progress_.since_row.iterations);
   if (RigidMotions::Which(fixed) != fixed_) count_degrees_of_freedom(RigidMotions::Which(fixed));
   archive(sums_);
   archive.demand(0 <= sums_.last_row && sums_.last_row <= progress_.step && 0 <= sums_.rows &&

@@ -152,10 +152,12 @@ struct StartReport {
 
 // How far a run has come. A checkpoint keeps it.
 struct RunProgress {
-  long step = 0;     // taken so far
-  SolveStats since;  // worst residual and sum of iterations since the last row
+  long step = 0;         // taken so far
+  SolveStats since_row;  // worst residual and sum of iterations since the last row
 
-  void serialize(Archive& archive) { archive(step, since.iterations, since.max_residual, since.worst_bond); }
+  void serialize(Archive& archive) {
+    archive(step, since_row.iterations, since_row.max_residual, since_row.worst_bond);
+  }
 };
 
 // A scene ready to run: forces and method made, the start brought to the bonds.
@@ -284,7 +286,7 @@ class Simulation {
     double largest_error = 0, largest_residual = 0, squares = 0;
     double first_t = 0, first_energy = 0, first_temperature = 0;  // of the first row; but for the heat; of v
 
-    void add(const Record& r, double residual, long since);
+    void add(const Record& r, double residual, long since_row);  // steps since the row before
     void serialize(Archive& archive) {
       archive(energy, constraint_work, pressure, volume, density, rows, last_row, steps, largest_error,
               largest_residual, squares, temperature, first_t, first_energy, first_temperature);
@@ -305,7 +307,7 @@ class Simulation {
   double unaccounted() const;
   // What a row here weighs in means in time.
   long steps_since_row() const;
-  Record row(const Vectors& thermal, const SolveStats& since, double seconds, long steps);
+  Record row(const Vectors& thermal, const SolveStats& since_row, double seconds, long steps);
   Summary summary(const Record& end, double seconds, const PartMeter& meter, long steps) const;
   void expect_numbers() const;  // throws StepFailure where one is none
   void keep_snapshot();

@@ -44,30 +44,30 @@ void explain_none(Diagnosis& d) {
 
 }  // namespace
 
-void Simulation::LogSums::add(const Record& r, double residual, long since) {
+void Simulation::LogSums::add(const Record& r, double residual, long since_row) {
   if (rows == 0) first_t = r.t, first_energy = r.but_for_heat(), first_temperature = r.temperature;
-  energy.add(r.t, r.but_for_heat(), since);
-  constraint_work.add(r.t, r.constraint_work, since);
-  temperature.add(r.temperature, since);
+  energy.add(r.t, r.but_for_heat(), since_row);
+  constraint_work.add(r.t, r.constraint_work, since_row);
+  temperature.add(r.temperature, since_row);
   ++rows;
   last_row = r.step;
-  steps += since;
+  steps += since_row;
   largest_error = std::max(largest_error, r.bonds.max);
   largest_residual = std::max(largest_residual, residual);
-  squares += static_cast<double>(since) * r.bonds.rms * r.bonds.rms;
-  for (std::size_t w = 0; w < walls.size(); ++w) walls[w].add(r.walls[w], since);
+  squares += static_cast<double>(since_row) * r.bonds.rms * r.bonds.rms;
+  for (std::size_t w = 0; w < walls.size(); ++w) walls[w].add(r.walls[w], since_row);
   for (std::size_t b = 0; b < biases.size(); ++b) {
-    biases[b].value.add(r.biases[b].value, since);
-    biases[b].force.add(r.biases[b].force, since);
+    biases[b].value.add(r.biases[b].value, since_row);
+    biases[b].force.add(r.biases[b].force, since_row);
     biases[b].lost += r.biases[b].lost;
   }
-  for (RunningMean& mean : tension) mean.add(r.held->tension, since);
+  for (RunningMean& mean : tension) mean.add(r.held->tension, since_row);
   if (!r.pressure) return;
-  pressure.add(*r.pressure, since);
-  volume.add(r.volume, since);
-  density.add(r.density, since);
+  pressure.add(*r.pressure, since_row);
+  volume.add(r.volume, since_row);
+  density.add(r.density, since_row);
   const auto tensor = six_of(r.pressure_tensor);
-  for (std::size_t k = 0; k < tensor.size(); ++k) pressure_tensor[k].add(tensor[k], since);
+  for (std::size_t k = 0; k < tensor.size(); ++k) pressure_tensor[k].add(tensor[k], since_row);
 }
 
 // From kJ/mol/ps of the whole.
@@ -98,8 +98,8 @@ Record Simulation::full_record(const Vectors& thermal) const {
   Record r = record(thermal);
   if (scene_.run.thermostatted() || scene_.run.remove_momentum_every > 0)
     r.heat = inner_->integrator->account.heat - heat_at_start_;
-  r.walls = inner_->forces.besides.wall_pushes;
-  r.biases = inner_->forces.besides.biases.readings;
+  r.walls = inner_->forces.evaluation.wall_pushes;
+  r.biases = inner_->forces.evaluation.biases.readings;
   for (std::size_t b = 0; b < r.biases.size(); ++b)
     if (scene_.terms.biases[b].angular()) r.biases[b].value *= 180 / std::numbers::pi;
   if (state_.box.periodic())
@@ -107,7 +107,7 @@ Record Simulation::full_record(const Vectors& thermal) const {
       r.walls[w] *= kBarPerUnit * state_.box.edge[scene_.terms.walls[w].axis] / state_.box.volume();
   if (scene_.run.thermostatted()) r.bath_temperature = scene_.run.bath_temperature(state_.t);
   if (works_from_outside()) r.steering_work = work_from_outside() - work_from_outside_at_start_;
-  if (scene_.terms.steered_in_time()) r.steering_force = inner_->forces.besides.steering.force;
+  if (scene_.terms.steered_in_time()) r.steering_force = inner_->forces.evaluation.steering.force;
   if (!scene_.motions.empty())
     r.motions = inner_->anchors.powers(
         scene_.system,
@@ -125,13 +125,13 @@ Record Simulation::full_record(const Vectors& thermal) const {
 }
 
 // The row of the log for the state as it is.
-Record Simulation::row(const Vectors& thermal, const SolveStats& since, double seconds, long steps) {
+Record Simulation::row(const Vectors& thermal, const SolveStats& since_row, double seconds, long steps) {
   Record r = full_record(thermal);
   RunningSlope energy = sums_.energy;
   energy.add(r.t, r.but_for_heat(), steps_since_row());
   r.drift = inner_->ensemble.barostat ? kUnknown : energy.value() * per_ns_and_dof();
   const long gone = r.step - sums_.last_row;
-  r.iterations = gone > 0 ? static_cast<double>(since.iterations) / static_cast<double>(gone) : 0.0;
+  r.iterations = gone > 0 ? static_cast<double>(since_row.iterations) / static_cast<double>(gone) : 0.0;
   r.ns_per_day = steps > 0 ? static_cast<double>(steps) * scene_.run.h() * 1e-3 * 86400 / seconds : 0.0;
   if (!std::isfinite(r.total()))
     throw SimulationFailure(
@@ -159,17 +159,17 @@ Summary Simulation::run(const std::function<void(const Record&)>& on_record,
   PartMeter meter(threads_, measures_parts_ ? PartMeter::Parts::kAll : PartMeter::Parts::kBonds);
   double watching = 0;  // time that is not the steps' [s]
   const auto seconds = [&] { return meter.seconds() - watching; };
-  const auto observe = [&](const SolveStats& since) {
+  const auto observe = [&](const SolveStats& since_row) {
     const double before = meter.seconds();
     in_part(StepPart::kLog, [&] {
       const Vectors thermal = thermal_velocity();
-      last = row(thermal, since, seconds(), progress_.step - first);
+      last = row(thermal, since_row, seconds(), progress_.step - first);
       in_step = false;
       temperatures_->see(scene_.system, state_.x, thermal, steps_since_row());
       const bool as_drawn =
           sums_.rows == 0 && last.step == 0 && (scene_.velocities_drawn || state_.v.isZero(0));
       if (sums_.rows == 0) temperatures_->set_first(scene_.system, state_.x, as_drawn ? velocity() : thermal);
-      sums_.add(last, since.max_residual, steps_since_row());
+      sums_.add(last, since_row.max_residual, steps_since_row());
       if (as_drawn) sums_.first_temperature = last.full_step_temperature;
     });
     if (on_record) in_part(StepPart::kOutput, [&] { on_record(last); });
@@ -187,8 +187,8 @@ Summary Simulation::run(const std::function<void(const Record&)>& on_record,
       const bool seen = step % log_every == 0;
       if (!stats.held() || (seen && !(state_.x.allFinite() && state_.f.allFinite())))
         throw StepFailure(taut::diagnose(scene_.system, state_, stats, step), stats);
-      progress_.since += stats;
-      if (seen) observe(std::exchange(progress_.since, {}));
+      progress_.since_row += stats;
+      if (seen) observe(std::exchange(progress_.since_row, {}));
       if (foreign)
         expect_numbers();
       else if (step % kStepsPerSnapshot == 0)
@@ -210,12 +210,12 @@ Summary Simulation::run(const std::function<void(const Record&)>& on_record,
 
   const bool ended = progress_.step >= steps;
   if (ended && sums_.last_row != progress_.step)
-    observe(progress_.since);  // a row more, after what a checkpoint keeps
+    observe(progress_.since_row);  // a row more, after what a checkpoint keeps
   else
-    last = row(thermal_velocity(), progress_.since, seconds(), progress_.step - first);
+    last = row(thermal_velocity(), progress_.since_row, seconds(), progress_.step - first);
   const LogSums sums = sums_;
   if (sums.rows == 0)
-    sums_.add(last, progress_.since.max_residual, steps_since_row());  // means have just begun again
+    sums_.add(last, progress_.since_row.max_residual, steps_since_row());  // means have just begun again
   const Summary all = summary(last, seconds(), meter, progress_.step - first);
   sums_ = sums;
   return all;

@@ -16,13 +16,13 @@ void Simulation::note() {
   inner_->note.numbers.clear();
   Archive archive = Archive::noting_in(inner_->note.numbers);
   serialize_numbers(archive);
-  inner_->note.besides = inner_->forces.besides;
+  inner_->note.evaluation = inner_->forces.evaluation;
 }
 
 void Simulation::take_back() {
   Archive archive = Archive::recalling(inner_->note.numbers);
   serialize_numbers(archive);
-  inner_->forces.besides = inner_->note.besides;
+  inner_->forces.evaluation = inner_->note.evaluation;
 }
 
 void Simulation::take_back(Diagnosis& of) {

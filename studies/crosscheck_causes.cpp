@@ -47,19 +47,19 @@ double apart_after(const Stage& stage, const Scene& scene, long steps) {
 StartDifference compare_start(const Stage& stage, OpenMMTwin& twin) {
   ForceField forces(stage.scene.system, stage.scene.start.box, stage.scene.terms);
   State s = stage.scene.start;
-  ForceField::Evaluation besides;
-  forces.evaluate(stage.scene.system, s, besides);
+  ForceField::Evaluation evaluation;
+  forces.evaluate(stage.scene.system, s, evaluation);
   Vectors theirs;
   const double energy = twin.forces_at(s.x, theirs);
   Vectors difference = s.f - theirs;
   for (int a = 0; a < stage.scene.system.atoms(); ++a)
     if (stage.scene.system.mass[a] == 0) difference.col(a).setZero();  // no force moves an anchor
   return {
-      .energy = forces.potential(s, besides),
+      .energy = forces.potential(s, evaluation),
       .openmm_energy = energy,
       .force_rms = std::sqrt(s.f.squaredNorm() / static_cast<double>(std::max<Eigen::Index>(1, s.f.size()))),
       .force_difference = difference.cwiseAbs().maxCoeff<Eigen::PropagateNaN>(),
-      .terms = forces.energies(s, besides)};
+      .terms = forces.energies(s, evaluation)};
 }
 
 OpenMMBonds openmm_bonds(const Stage& stage, double worst_seen) {

@@ -125,9 +125,9 @@ struct Bench {
   Evaluated at(const Vectors& x) { return at(x, box); }
   Eigen::Matrix3d virial_at(const Vectors& x) {
     State s{x, {}, {}, 0, box};
-    ForceField::Evaluation besides;
-    forces.evaluate(sys, s, besides);
-    return forces.virial(s, besides);
+    ForceField::Evaluation evaluation;
+    forces.evaluate(sys, s, evaluation);
+    return forces.virial(s, evaluation);
   }
 };
 

@@ -65,7 +65,7 @@ long allocated_the_second_time(const Terms& terms, const Vectors& start, const B
   const System sys = with_sites(n);
   ForceField forces(sys, box, terms);
   State s{start, Vectors::Zero(3, n), Vectors::Zero(3, n), 0, box};
-  ForceField::Evaluation besides;
+  ForceField::Evaluation evaluation;
   const auto wander = [&] {
     std::mt19937_64 rng(3);
     std::normal_distribution<double> normal(0, 0.02);
@@ -73,9 +73,9 @@ long allocated_the_second_time(const Terms& terms, const Vectors& start, const B
     s.box = box;
     for (int step = 0; step < 10; ++step) {
       for (int k = 0; k < s.x.size(); ++k) s.x.data()[k] += normal(rng);
-      forces.evaluate(sys, s, besides);
+      forces.evaluate(sys, s, evaluation);
       if (!box.periodic()) continue;
-      EXPECT_TRUE(forces.virial(s, besides).allFinite());
+      EXPECT_TRUE(forces.virial(s, evaluation).allFinite());
       s.box = s.box.scaled({1.001, 1.002, 0.999});
     }
   };

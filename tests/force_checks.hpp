@@ -37,16 +37,16 @@ struct Bench {
 
   Eigen::Matrix3d virial_at(const Vectors& x) {
     State s{x, {}, {}, 0, box};
-    ForceField::Evaluation besides;
-    forces.evaluate(sys, s, besides);
-    return forces.virial(s, besides);
+    ForceField::Evaluation evaluation;
+    forces.evaluate(sys, s, evaluation);
+    return forces.virial(s, evaluation);
   }
 
   Energies energies_at(const Vectors& x) {
     State s{x, {}, {}, 0, box};
-    ForceField::Evaluation besides;
-    forces.evaluate(sys, s, besides);
-    return forces.energies(s, besides);
+    ForceField::Evaluation evaluation;
+    forces.evaluate(sys, s, evaluation);
+    return forces.energies(s, evaluation);
   }
 };
 

@@ -140,16 +140,16 @@ TEST(Fields, GravityAndPullsAreUniform) {
   const System sys = make_system(mass, {});
   ForceField forces(sys, {}, {.gravity = Vec3(0, 0, -9.81), .pulls = {{1, {1, 2, 3}}, {0, {0, 5, 0}}}});
   State s{columns({{0, 1, 2}, {4, 5, 6}}), Vectors::Zero(3, 2), {}, 0, {}};
-  ForceField::Evaluation besides;
-  forces.evaluate(sys, s, besides);
+  ForceField::Evaluation evaluation;
+  forces.evaluate(sys, s, evaluation);
   EXPECT_NEAR((s.f - columns({{0, 5, -29.43}, {1, 2, 3}})).norm(), 0, 1e-14);
-  const auto energies = forces.energies(s, besides);
+  const auto energies = forces.energies(s, evaluation);
   ASSERT_EQ(energies.size(), 2u);
   EXPECT_EQ(energies[0].first, "gravity");
   EXPECT_NEAR(energies[0].second, 3 * 9.81 * 2, 1e-12);
   EXPECT_EQ(energies[1].first, "pull");
   EXPECT_NEAR(energies[1].second, -(4 + 10 + 18) - 5, 1e-12);
-  EXPECT_EQ(forces.potential(s, besides), energies[0].second + energies[1].second);
+  EXPECT_EQ(forces.potential(s, evaluation), energies[0].second + energies[1].second);
 }
 
 // Half a box and more away it is the other image that is held.

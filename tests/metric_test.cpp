@@ -79,9 +79,9 @@ TEST_P(EveryShape, CountsInThePressureByItsSlopeWithTheStrain) {
   const Box box{Vec3(5, 5, 5)};
   ForceField forces(sys, box, terms);
   State s{x, {}, {}, 0, box};
-  ForceField::Evaluation besides;
-  forces.evaluate(sys, s, besides);
-  const Eigen::Matrix3d virial = forces.virial(s, besides);
+  ForceField::Evaluation evaluation;
+  forces.evaluate(sys, s, evaluation);
+  const Eigen::Matrix3d virial = forces.virial(s, evaluation);
   for (int d = 0; d < 3; ++d) {
     Vectors wide = x, narrow = x;
     wide.row(d) *= 1 + 1e-6, narrow.row(d) *= 1 - 1e-6;

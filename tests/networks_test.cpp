@@ -98,10 +98,10 @@ TEST(Networks, ForcesAndVirialAreSlopesOfTheEnergy) {
   State s = ring.scene.start;
   s.x += 0.03 * Vectors::Random(3, n);
   ForceField forces(ring.scene.system, s.box, terms);
-  ForceField::Evaluation besides;
-  forces.evaluate(ring.scene.system, s, besides);
+  ForceField::Evaluation evaluation;
+  forces.evaluate(ring.scene.system, s, evaluation);
   const Vectors f = s.f;
-  const Eigen::Matrix3d virial = forces.virial(s, besides);
+  const Eigen::Matrix3d virial = forces.virial(s, evaluation);
   const double step = 1e-5;
   const auto energy_at = [&](const Vectors& x, const Box& box) {
     State there{x, s.v, s.f, 0, box};
@@ -147,9 +147,9 @@ TEST(Networks, AnchorsThatAreBondedAroundTheBoxPressAsAnyOthers) {
       ring.settle();
       State s = ring.scene.start;
       ForceField forces(ring.scene.system, s.box, terms);
-      ForceField::Evaluation besides;
-      forces.evaluate(ring.scene.system, s, besides);
-      return forces.virial(s, besides);
+      ForceField::Evaluation evaluation;
+      forces.evaluate(ring.scene.system, s, evaluation);
+      return forces.virial(s, evaluation);
     };
     const Eigen::Matrix3d beside = virial_with({3, 4, 5});
     EXPECT_GT(std::abs(beside(0, 0) - virial_with({3})(0, 0)), 1) << "what is among anchors counts nothing";

@@ -19,9 +19,9 @@ inline Energies energies_of(const Scene& scene) {
   State s = scene.start;
   s.f = Vectors::Zero(3, s.x.cols());
   ForceField forces(scene.system, s.box, scene.terms);
-  ForceField::Evaluation besides;
-  forces.evaluate(scene.system, s, besides);
-  return forces.energies(s, besides);
+  ForceField::Evaluation evaluation;
+  forces.evaluate(scene.system, s, evaluation);
+  return forces.energies(s, evaluation);
 }
 
 // A scene written as OpenMM's files, and read again.

@@ -90,15 +90,15 @@ TEST(Tables, OfHarmonicEnergiesAreHarmonic) {
   ForceField one(sys, {}, formula), two(sys, {}, tables);
   EXPECT_NEAR(one.evaluate_energy(sys, by_formula), two.evaluate_energy(sys, by_tables), 1e-9);
   EXPECT_LT((by_formula.f - by_tables.f).norm(), 1e-8 * by_formula.f.norm());
-  ForceField::Evaluation besides;
-  two.evaluate(sys, by_tables, besides);
-  const Energies names = two.energies(by_tables, besides);
+  ForceField::Evaluation evaluation;
+  two.evaluate(sys, by_tables, evaluation);
+  const Energies names = two.energies(by_tables, evaluation);
   ASSERT_EQ(names.size(), 2u);
   EXPECT_EQ(names[0].first, "tabulated_bond");
   EXPECT_EQ(names[1].first, "tabulated_angle");
   const auto virial = [&](ForceField& forces, State& s) {
-    forces.evaluate(sys, s, besides);
-    return forces.virial(s, besides);
+    forces.evaluate(sys, s, evaluation);
+    return forces.virial(s, evaluation);
   };
   EXPECT_LT((virial(one, by_formula) - virial(two, by_tables)).norm(), 1e-8 * by_formula.f.norm());
 }
@@ -215,10 +215,10 @@ TEST(TabulatedPairs, OfAnchorsHaveNoVirial) {
   State s = state_at(Vectors::Zero(3, 4), Box{Vec3::Constant(3)});
   s.x.row(0) << 0, 0.4, 0.8, 1.2;
   ForceField forces(sys, s.box, terms);
-  ForceField::Evaluation besides;
-  forces.evaluate(sys, s, besides);
+  ForceField::Evaluation evaluation;
+  forces.evaluate(sys, s, evaluation);
   EXPECT_GT(s.f.norm(), 0.1);
-  EXPECT_LT(forces.virial(s, besides).norm(), 1e-12);
+  EXPECT_LT(forces.virial(s, evaluation).norm(), 1e-12);
 }
 
 TEST(TabulatedPairs, ThatAreNoneAreRefused) {

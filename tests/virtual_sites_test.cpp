@@ -115,9 +115,9 @@ TEST_P(EveryKind, HasTheVirialOfItsParents) {
     return forces.evaluate_energy(sys, s);
   };
   State s{kPlaces, {}, {}, 0, {}};
-  ForceField::Evaluation besides;
-  forces.evaluate(sys, s, besides);
-  const Eigen::Matrix3d virial = forces.virial(s, besides);
+  ForceField::Evaluation evaluation;
+  forces.evaluate(sys, s, evaluation);
+  const Eigen::Matrix3d virial = forces.virial(s, evaluation);
   const double step = 1e-6;
   for (int a = 0; a < 3; ++a)
     for (int b = 0; b < 3; ++b)

@@ -178,9 +178,9 @@ forcefield = {cutoff_nm = 1.0}
     const auto virial = [&](const Terms& terms) {
       State s = scene.start;
       ForceField forces(scene.system, s.box, terms);
-      ForceField::Evaluation besides;
-      forces.evaluate(scene.system, s, besides);
-      return forces.virial(s, besides);
+      ForceField::Evaluation evaluation;
+      forces.evaluate(scene.system, s, evaluation);
+      return forces.virial(s, evaluation);
     };
     const Eigen::Matrix3d counted = virial(scene.terms);
     if (coulomb == "pme") {  // −dE/dstrain of all energy, less that of the anchors alone

@@ -60,10 +60,10 @@ class ForceEvaluation {
       std::optional<py::gil_scoped_release> long_work;
       if (!runs_foreign_code_) long_work.emplace();
       const ThreadScope scope(threads_);
-      ForceField::Evaluation besides;
-      forces_->evaluate(system_, state_, besides);
-      energy = forces_->potential(state_, besides);
-      if (virial_is_whole_) tensor = forces_->virial(state_, besides);
+      ForceField::Evaluation evaluation;
+      forces_->evaluate(system_, state_, evaluation);
+      energy = forces_->potential(state_, evaluation);
+      if (virial_is_whole_) tensor = forces_->virial(state_, evaluation);
     } catch (...) {
       rethrow_python_error();
       throw;
