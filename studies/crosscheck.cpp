@@ -20,7 +20,7 @@ constexpr int kFiner = 8;
 constexpr double kTight = 1e-12;
 constexpr std::array kUsualTolerances = {1e-5, 1e-8};  // of OpenMM's integrators: the first is their default
 
-// The projections, held so tight that what is left is not theirs.
+// Holds the bonds so tight that what is left of a difference from OpenMM is not the method's.
 void tighten(MethodOptions& method) {
   for (const Option& option : method.describe())
     if (option.key == std::string_view("tolerance")) *std::get<double*>(option.field) = kTight;
@@ -99,6 +99,7 @@ std::vector<Contestant> contestants(const std::vector<std::string>& words, bool 
   std::vector<Contestant> all;
   for (const std::string& word : words) {
     Contestant& one = all.emplace_back(Contestant{word, method_in_word(word)});
+    // Those two correct the bonds by a law over several steps, whose residual is left at any tolerance.
     const bool projects = one.method.name() != "feedforward" && one.method.name() != "baumgarte";
     if ((projects || for_plugin) && word.find("tolerance=") == word.npos) tighten(one.method);
   }

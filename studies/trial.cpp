@@ -20,13 +20,13 @@ namespace {
 // Where all is at rest, energies are kept to this share of themselves.
 constexpr double kAtRest = 1e-6;
 
-// What a curve may go through, in the order in which a reader walks it: from cheap to exact.
-struct Sweep {
+// A curve's points: values of one setting of the method, from cheap to exact; a few of them where it must be quick.
+struct CurveValues {
   const char* parameter;
   std::vector<const char*> all, few;
 };
-const std::vector<Sweep>& sweeps() {
-  static const std::vector<Sweep> kSweeps = {
+const std::vector<CurveValues>& curves() {
+  static const std::vector<CurveValues> kCurves = {
       {"tolerance", {"1e-3", "1e-4", "1e-5", "1e-6", "1e-8", "1e-10", "1e-12"}, {"1e-4", "1e-6", "1e-8"}},
       {"sweeps", {"1", "2", "4", "8", "16"}, {"1", "4"}},
       {"order", {"1", "2", "4", "6", "8", "12"}, {"2", "4", "8"}},
@@ -34,7 +34,7 @@ const std::vector<Sweep>& sweeps() {
       {"gains", {"critical", "box2d", "dead-beat", "reversible"}, {"dead-beat", "reversible"}},
       {"extrapolation", {"0", "1", "2"}, {"0", "1", "2"}},
       {"omega_h", {"0.2", "0.4", "0.7", "1.2"}, {"0.4", "0.7"}}};
-  return kSweeps;
+  return kCurves;
 }
 
 bool has_key(const std::string& method, std::string_view parameter) {
@@ -65,10 +65,10 @@ Setting setting_of(const std::string& method) {
 std::vector<Setting> settings_of(const std::string& method, double h, bool few) {
   if (method.find(':') != method.npos) return {setting_of(method)};
   std::vector<Setting> settings;
-  for (const Sweep& sweep : sweeps())
-    if (has_key(method, sweep.parameter))
-      for (const char* value : few ? sweep.few : sweep.all)
-        settings.push_back(setting(method, sweep.parameter, value, h));
+  for (const auto& [parameter, all_values, few_values] : curves())
+    if (has_key(method, parameter))
+      for (const char* value : few ? few_values : all_values)
+        settings.push_back(setting(method, parameter, value, h));
   if (settings.empty()) settings.push_back(setting_of(method));
   return settings;
 }

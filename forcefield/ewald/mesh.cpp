@@ -90,8 +90,8 @@ class MeshIn final : public PmeMesh::Engine {
   void set_box(const Box& box) override {
     box_ = box;
     for (int d = 0; d < 3; ++d) {
-      into_.col(d) = box_.fractional(Vec3::Unit(d));
-      slope_.col(d) = box_.reciprocal(size_[d] * Vec3::Unit(d));
+      to_fractional_.col(d) = box_.fractional(Vec3::Unit(d));
+      grid_gradient_.col(d) = box_.reciprocal(size_[d] * Vec3::Unit(d));
     }
     const bool skewed = !box_.tilt.isZero(0);
     if (!skewed)
@@ -107,7 +107,8 @@ class MeshIn final : public PmeMesh::Engine {
     in_part(StepPart::kMeshGather, [&] {
       in_parallel(threads, [&](int t) {
         const Share share(n, t, threads);
-        add_mesh_forces<T>(mesh(), {atoms_.data() + share.begin, atoms_.data() + share.end}, slope_, f);
+        add_mesh_forces<T>(mesh(), {atoms_.data() + share.begin, atoms_.data() + share.end}, grid_gradient_,
+                           f);
       });
     });
     return std::accumulate(energy_of_.begin(), energy_of_.end(), 0.0);
@@ -169,7 +170,8 @@ class MeshIn final : public PmeMesh::Engine {
   int* next_of(int thread) { return next_.data() + std::ptrdiff_t{thread} * buckets(); }
 
   void find_and_count(const Vectors& x, const Share& share, int* count) {
-    find_points<T>({size_, into_}, x, std::span(charged_).subspan(share.begin, share.end - share.begin),
+    find_points<T>({size_, to_fractional_}, x,
+                   std::span(charged_).subspan(share.begin, share.end - share.begin),
                    found_.data() + share.begin);
     std::fill_n(count, buckets(), 0);
     for (int c = share.begin; c < share.end; ++c) ++count[bucket(found_[c])];
@@ -316,7 +318,8 @@ class MeshIn final : public PmeMesh::Engine {
   std::array<int, 3> size_;
   int strips_;  // of a plane
   Box box_;
-  Eigen::Matrix3d into_, slope_;  // from places to edges of the box; from slopes along it to x, y, z [1/nm]
+  Eigen::Matrix3d to_fractional_;  // makes shares of a, b and c of a place
+  Eigen::Matrix3d grid_gradient_;  // columns ∇u of grid coordinates u along a, b and c [1/nm]
   FourierGrid<T> grid_;
   std::vector<Charged> charged_;
   std::vector<MeshAtom<T>> found_, atoms_;  // as charged_; by plane and strip

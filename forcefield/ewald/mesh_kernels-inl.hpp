@@ -265,7 +265,7 @@ void spread(MeshGrid<Real> grid, const PlanesAbove& planes, MeshAtoms<Real> atom
   });
 }
 
-void forces(MeshGrid<Real> grid, MeshAtoms<Real> atoms, const Eigen::Matrix3d& turn, Vectors& f) {
+void forces(MeshGrid<Real> grid, MeshAtoms<Real> atoms, const Eigen::Matrix3d& grid_gradient, Vectors& f) {
   of_order(grid.order, [&]<int order>() HWY_ATTR {
     Splines<order> splines;
     some_at_a_time(atoms, [&](MeshAtoms<Real> some) HWY_ATTR {
@@ -279,7 +279,8 @@ void forces(MeshGrid<Real> grid, MeshAtoms<Real> atoms, const Eigen::Matrix3d& t
         double* const at = f.data() + 3 * std::ptrdiff_t{some[a].atom};
         const double q = double(some[a].charge);
         for (int d = 0; d < 3; ++d)
-          at[d] -= q * (turn(d, 0) * slope[0] + turn(d, 1) * slope[1] + turn(d, 2) * slope[2]);
+          at[d] -= q * (grid_gradient(d, 0) * slope[0] + grid_gradient(d, 1) * slope[1] +
+                        grid_gradient(d, 2) * slope[2]);
       }
     });
   });
@@ -367,9 +368,9 @@ void spread_charges(const MeshGrid<Real>& grid, const PlanesAbove& planes, MeshA
   HWY_DYNAMIC_DISPATCH(spread)(grid, planes, atoms);
 }
 template <>
-void add_mesh_forces(const MeshGrid<Real>& grid, MeshAtoms<Real> atoms, const Eigen::Matrix3d& turn,
+void add_mesh_forces(const MeshGrid<Real>& grid, MeshAtoms<Real> atoms, const Eigen::Matrix3d& grid_gradient,
                      Vectors& f) {
-  HWY_DYNAMIC_DISPATCH(forces)(grid, atoms, turn, f);
+  HWY_DYNAMIC_DISPATCH(forces)(grid, atoms, grid_gradient, f);
 }
 template <>
 double solve(std::span<const Real> factor, std::complex<Real>* z) {

@@ -61,9 +61,11 @@ struct PlanesAbove {
 template <class T>
 void spread_charges(const MeshGrid<T>& grid, const PlanesAbove& planes, MeshAtoms<T> atoms);
 
-// Gathers: adds the forces −q · turn · Σ φ dw/du on each of the atoms, u in grid points along each edge.
+// Gathers: adds the forces −q Σ_d ∇u_d Σ φ dw/du_d on each of the atoms, u_d in grid points along each edge. The
+// columns of `grid_gradient` are ∇u_d [1/nm].
 template <class T>
-void add_mesh_forces(const MeshGrid<T>& grid, MeshAtoms<T> atoms, const Eigen::Matrix3d& turn, Vectors& f);
+void add_mesh_forces(const MeshGrid<T>& grid, MeshAtoms<T> atoms, const Eigen::Matrix3d& grid_gradient,
+                     Vectors& f);
 
 // Multiplies each number by its factor g ≥ 0; returns Σ g|z|² of the numbers before.
 template <class T>

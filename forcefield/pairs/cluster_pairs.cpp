@@ -170,7 +170,7 @@ class EngineIn final : public ClusterPairs::Engine {
 
   // Chooses the positions and margins of the next inner list. False where they leave the outer list's buffer.
   bool look_ahead() {
-    if (p_.all_pairs()) {
+    if (p_.all_pairs()) {  // the margins have no end: only NaN is outside
       listed_ = searched_;
       return all_shares([&](const Share& s) { return tracks_.covers_all(listed_, s); });
     }

@@ -238,6 +238,7 @@ class RowSum {
   V sum_[kSums];
   SixSums total_{};
   std::uint32_t mask_ = 0;  // of pairs that count
+  // Of the row's atoms: positions, the forces on them so far, and the numbers that the law needs.
   VX x_[3];
   V own_f_[3];
   typename Law::Atoms atoms_;

@@ -18,6 +18,7 @@ std::vector<Row> RowReader::read(const char* key, int atoms, std::size_t numbers
     for (std::size_t k = 0; k < rows.size(); ++k) {
       Row row{k, {}, rows[k].data() + atoms};
       const auto behind = rows[k].begin() + atoms;
+      // An atom that is counted from the end of all units is there once.
       const bool once = std::any_of(rows[k].begin(), behind, [](double a) { return a < 0; });
       bool within = !once || u == 0;
       for (int a = 0; a < atoms; ++a) {

@@ -94,8 +94,8 @@ class Choice {
  private:
   struct Trial {
     Values known, given;  // arguments of the known and of the given energy
-    bool counts = false;
-    Rough value;
+    bool counts = false;  // the known energy is asked for there (KnownEnergy::where)
+    Rough value;          // of the known energy
   };
   const Expression& energy_;
   const KnownEnergy& known_;
