@@ -84,12 +84,12 @@ bool has_trend(std::span<const double> y, double errors) {
 }
 
 Estimate mean_of_run(std::span<const double> y) {
-  constexpr double kSurely = 4;
+  constexpr double kSurely = 4;  // errors of the trend
   const double mean = sample_mean(y);
   if (y.size() < 3 || is_constant(variance_about(mean, y), mean)) return {mean, 0};
-  const double halves =
+  const double halves_apart =
       std::abs(sample_mean(y.first(y.size() / 2)) - sample_mean(y.last(y.size() - y.size() / 2)));
-  return {mean, std::max(error_of_mean(y), has_trend(y, kSurely) ? halves : halves / 2)};
+  return {mean, std::max(error_of_mean(y), has_trend(y, kSurely) ? halves_apart : halves_apart / 2)};
 }
 
 std::size_t equilibration_end(std::span<const double> series) {

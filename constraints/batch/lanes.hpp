@@ -107,8 +107,8 @@ void rows_to_bonds(const LaneBatch& batch, const LaneRows& rows, Eigen::Ref<Eige
 // Copies them back, into unused lanes and into a piece's copies of its neighbours' bonds, too.
 void rows_from_bonds(const LaneBatch& batch, const Eigen::Ref<const Eigen::VectorXd>& values, LaneRows& rows);
 
-// The first rows of the system of equations in a group's scratch, with which every method that solves one
-// begins.
+// The first rows in a group's scratch, with which every method that solves A g = b begins: b, and A as L D U with D and
+// its inverse, l and u an entry for each coupling.
 struct SystemRows {
   explicit SystemRows(const LaneBatch& batch) : SystemRows(batch.bond_count(), batch.plan.entries()) {}
   constexpr SystemRows(int bonds, int entries)

@@ -75,7 +75,7 @@ enum class Find { kWeights, kWeightsAndSlopes };
 template <int order>
 HWY_INLINE void find_splines(MeshAtoms<Real> atoms, Find what, Splines<order>& out) {
   const D d;
-  HWY_ALIGN Real above[3][kTogether];
+  HWY_ALIGN Real above[3][kTogether];  // the grid point below each atom, 0 … 1
   for (int edge = 0; edge < 3; ++edge) {
     for (std::size_t a = 0; a < atoms.size(); ++a) above[edge][a] = atoms[a].above[edge];
     std::fill(above[edge] + atoms.size(), std::end(above[edge]), Real(0));

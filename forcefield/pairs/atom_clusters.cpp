@@ -293,7 +293,7 @@ void AtomClusters::fill_slots(int column) {
         atom_[slot] = a;
         offset_[slot++] = wrap_[a];
       }
-    for (; slot % kClusterAtoms != 0; ++slot) {
+    for (; slot % kClusterAtoms != 0; ++slot) {  // fillers, which count in no pair
       atom_[slot] = atom_[slot - 1];
       offset_[slot] = offset_[slot - 1];
     }

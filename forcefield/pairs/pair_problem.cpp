@@ -64,13 +64,16 @@ void take_table(const LennardJonesTable& from, PairProblem& p) {
     p.two_sqrt_epsilon[i] = from.a.col(from.type[i]).any() || from.b.col(from.type[i]).any() ? 1 : 0;
 }
 
-// Buffers in units of the cutoff: wider ones make lists more rarely but add pairs beyond the cutoff. Hardly
-// any cluster of the core leaves the cutoff during the life of an outer list. As the cutoff is at most half
+// In units of the cutoff: wider ones make lists more rarely but add pairs beyond the cutoff.
+struct Buffers {
+  double way, spare, outer;
+};
+// Hardly any cluster of the core leaves the cutoff during the life of an outer list. As the cutoff is at most half
 // the shortest edge of the box, cutoff and outer buffer together stay below one edge.
-void choose_buffers(PairProblem& p, double way, double spare, double outer) {
-  p.way = way * p.law.cutoff;
-  p.spare = spare * p.law.cutoff;
-  p.outer = outer * p.law.cutoff;
+void choose_buffers(PairProblem& p, const Buffers& in_cutoffs) {
+  p.way = in_cutoffs.way * p.law.cutoff;
+  p.spare = in_cutoffs.spare * p.law.cutoff;
+  p.outer = in_cutoffs.outer * p.law.cutoff;
   p.core = 0.97 * p.law.cutoff;
 }
 
@@ -91,7 +94,7 @@ PairProblem problem_of(const Nonbonded& nb, bool periodic, Precision precision) 
       p.law.c_rf = 3 * eps / ((2 * eps + 1) * rc);
     }
     p.periodic = periodic;  // without a cutoff there are no images
-    choose_buffers(p, 0.007, 0.006, 0.54);
+    choose_buffers(p, {.way = 0.007, .spare = 0.006, .outer = 0.54});
   }
   p.charge = std::sqrt(kCoulomb) * nb.charge;
   p.half_sigma = 0.5 * nb.sigma;
@@ -111,7 +114,7 @@ PairProblem problem_of(const Wca& wca, int atoms, bool periodic) {
   p.law.cutoff = wca.cutoff();
   p.law.energy_shift = 1;
   p.periodic = periodic;
-  choose_buffers(p, 0.01, 0.008, 0.5);
+  choose_buffers(p, {.way = 0.01, .spare = 0.008, .outer = 0.5});
   p.charge = Eigen::VectorXd::Zero(atoms);
   p.half_sigma = Eigen::VectorXd::Constant(atoms, wca.sigma / 2);
   p.two_sqrt_epsilon = Eigen::VectorXd::Constant(atoms, 2 * std::sqrt(wca.epsilon));
@@ -127,7 +130,7 @@ PairProblem problem_of(const TabulatedPairs& pairs, bool periodic) {
   p.law.cutoff = pairs.cutoff();
   p.law.mixing = Mixing::kTable;
   p.periodic = periodic;
-  choose_buffers(p, 0.007, 0.006, 0.54);
+  choose_buffers(p, {.way = 0.007, .spare = 0.006, .outer = 0.54});
   p.charge = p.half_sigma = p.two_sqrt_epsilon = Eigen::VectorXd::Zero(n);
   p.exclusions = pairs.exclusions;
   p.tables = tables_by_kinds(pairs);
