@@ -299,9 +299,9 @@ namespace taut {
 HWY_EXPORT(baumgarte_groups);
 
 Batched<Baumgarte>::Batched(const System& sys, const Options& options, double h)
-    : ExtrapolatingMethod(
-          sys, options, h,
-          find_clusters(sys, options.in_lanes() ? ClusterLimits::cutting() : ClusterLimits{0, 0})) {
+    : ExtrapolatingMethod(sys, options, h,
+                          find_clusters(sys, options.in_lanes() ? ClusterLimits::cutting()
+                                                                : ClusterLimits::none_in_lanes())) {
   const Damping damping = damping_named(options.damping);
   const std::vector<Gains> gains = choose_gains(options.choice(), damping, sys, h);
   setting_ = describe_baumgarte(options, gains, h);

@@ -50,6 +50,7 @@ struct ClusterLimits {
   int alike = 4;
   int piece = 0;  // longer chains are cut into pieces of about this many bonds; 0: not cut
 
+  static ClusterLimits none_in_lanes() { return {.most_bonds = 0, .most_bonds_alike = 0}; }
   // Equal chains that nearly fill the lanes stay whole, since cutting costs half as much again. The number of
   // threads has no influence, so that a chain's bits do not depend on it.
   static ClusterLimits cutting() { return {.alike = 8, .piece = 150}; }

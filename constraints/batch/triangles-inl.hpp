@@ -91,7 +91,7 @@ HWY_INLINE Worst worst_of(const LaneBatch& batch, const Three& twice_sigma) {
 struct TriangleMatrix {
   Three along;  // r_next·r
   V a[3][3], minor[3][3];
-  V two, det;
+  V det;
 
   HWY_INLINE TriangleMatrix(const LaneBatch& batch, const Sides& r_next, const Sides& r) {
     const InverseMasses m(batch);

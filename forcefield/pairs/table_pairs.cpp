@@ -78,7 +78,7 @@ PairTables tables_by_kinds(const TabulatedPairs& pairs) {
   PairTables tables;
   for (const auto& [one, two, energy] : pairs.potentials)
     tables.kinds = std::max({tables.kinds, one + 1, two + 1});
-  ++tables.kinds;
+  ++tables.kinds;  // that of atoms without tables
   tables.table.resize(static_cast<std::size_t>(tables.kinds) * static_cast<std::size_t>(tables.kinds));
   for (const auto& [one, two, energy] : pairs.potentials)
     for (const auto& [i, j] : {std::pair(one, two), std::pair(two, one)})
