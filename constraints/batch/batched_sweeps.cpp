@@ -197,19 +197,16 @@ namespace taut {
 HWY_EXPORT(sweep_positions);
 HWY_EXPORT(sweep_velocities);
 
-namespace {
-
-SweepStep sweeps(const SweepLimits& limits, double h, double g_of_lambda, double lambda_of_g, State& s) {
-  return {limits, h, g_of_lambda, lambda_of_g, s.x.data(), s.v.data()};
-}
-
-}  // namespace
-
 Batched<Shake>::Batched(const System& sys, const Options& options, double h)
     : BatchedMethod(sys, options, h, find_clusters(sys)) {}
 
 SolveStats Batched<Shake>::project_positions(const System&, double h, State& s) {
-  const SweepStep step = sweeps(options_, h, h * h, 1 / (h * h), s);
+  const SweepStep step{.limits = options_,
+                       .h = h,
+                       .g_of_lambda = h * h,
+                       .lambda_of_g = 1 / (h * h),
+                       .x = s.x.data(),
+                       .v = s.v.data()};
   return batches_.run(HWY_DYNAMIC_DISPATCH(sweep_positions), step).beside(leftover_.project_positions(h, s));
 }
 
@@ -217,12 +214,22 @@ Batched<Rattle>::Batched(const System& sys, const Options& options, double h)
     : BatchedMethod(sys, options, h, find_clusters(sys)) {}
 
 SolveStats Batched<Rattle>::project_positions(const System&, double h, State& s) {
-  const SweepStep step = sweeps(options_, h, options_.warm_start ? 0.5 * h * h : 0.0, 2 / (h * h), s);
+  const SweepStep step{.limits = options_,
+                       .h = h,
+                       .g_of_lambda = options_.warm_start ? 0.5 * h * h : 0.0,
+                       .lambda_of_g = 2 / (h * h),
+                       .x = s.x.data(),
+                       .v = s.v.data()};
   return batches_.run(HWY_DYNAMIC_DISPATCH(sweep_positions), step).beside(leftover_.project_positions(h, s));
 }
 
 SolveStats Batched<Rattle>::project_velocities(const System&, double h, State& s) {
-  const SweepStep step = sweeps(options_, h, options_.warm_start ? 0.5 * h : 0.0, 2 / h, s);
+  const SweepStep step{.limits = options_,
+                       .h = h,
+                       .g_of_lambda = options_.warm_start ? 0.5 * h : 0.0,
+                       .lambda_of_g = 2 / h,
+                       .x = s.x.data(),
+                       .v = s.v.data()};
   return batches_.run(HWY_DYNAMIC_DISPATCH(sweep_velocities), step)
       .beside(leftover_.project_velocities(h, s));
 }

@@ -98,6 +98,7 @@ DimensionlessGains gains_for_sweeps(double t, Damping damping) {
   return {(1 - t * t) / q, std::sqrt(2 - 2 * t * (1 + t) / q)};
 }
 
+// The coefficients of |a|², v·a and |v|² in the formulas that stand beside Drive.
 Drive drive_of(double ah, double h, Damping damping) {
   const double h2 = h * h, quarter = 0.25 * h2 * h2;
   switch (damping) {

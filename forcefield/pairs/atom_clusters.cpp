@@ -81,6 +81,7 @@ void AtomClusters::close_gaps(const Vectors& x) {
   }
 }
 
+// What close_gaps() moves an atom at x by along axis d: the offset of its stretch, the last that begins at or before x.
 double AtomClusters::offset_along(int d, double x) const {
   const auto next = std::upper_bound(stretches_[d].begin() + 1, stretches_[d].end(), x,
                                      [](double u, const Stretch& s) { return u < s.begin; });

@@ -103,24 +103,24 @@ class AtomClusters {
   Layout layout_;
   Box box_, built_in_;
   long builds_ = 0;
-  std::array<double, 2> width_{};        // of a column [nm]
-  std::array<std::int64_t, 2> count_{};  // of columns along the box's edges
-  std::vector<int> table_;               // hash table: indices into columns_, −1 for none
-  std::vector<Column> columns_, unsorted_;
-  std::vector<int> atoms_in_column_;  // as unsorted_
-  std::vector<int> entry_begin_;      // in entries_, by column, and their end
-  std::vector<bool> marked_;
+  std::array<double, 2> width_{};           // of a column [nm]
+  std::array<std::int64_t, 2> count_{};     // of columns along the box's edges
+  std::vector<int> table_;                  // hash table: indices into columns_, −1 for none
+  std::vector<Column> columns_, unsorted_;  // in the order of the grid, and of their first atoms
+  std::vector<int> atoms_in_column_;        // as unsorted_
+  std::vector<int> entry_begin_;            // in entries_, by column, and their end
+  std::vector<bool> marked_;                // by hash: cubes that hold atoms
   std::array<std::vector<Stretch>, 3> stretches_;
-  std::vector<double> along_;
+  std::vector<double> along_;   // the atoms' coordinates along one axis, sorted
   std::vector<int> column_of_;  // by atom, as what follows
   std::vector<Vec3> wrap_;      // the vector that moves it into the box
   std::vector<Vec3> wrapped_;   // its position then
   std::vector<std::optional<GridColumn>> grid_column_;
-  std::vector<int> rank_, order_, next_;
+  std::vector<int> rank_, order_;  // places in columns_ by those in unsorted_, and the other way round
+  std::vector<int> next_;          // by column: where its next atom goes in entries_
   std::vector<Entry> entries_;
-  std::vector<int> atom_;
-  std::vector<Vec3> offset_;
-  std::vector<int> slot_of_;
+  std::vector<int> atom_, slot_of_;  // by slot its atom, by atom its slot
+  std::vector<Vec3> offset_;         // by slot: what is added to its atom's position [nm]
 };
 
 }  // namespace taut

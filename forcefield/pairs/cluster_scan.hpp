@@ -60,10 +60,10 @@ struct Seeker {
 
 // The j-clusters of an i-cluster.
 struct Partners {
-  std::vector<int> cluster;  // a vector's width more
-  std::vector<float> r2;     // of the nearest atoms [nm²]
-  std::vector<MaskedCluster> excluded;
-  std::array<int, kShells + 1> count;  // in the core and the shells
+  std::vector<int> cluster;             // a vector's width more
+  std::vector<float> r2;                // of the nearest atoms [nm²]
+  std::vector<MaskedCluster> excluded;  // those of them with exclusion masks
+  std::array<int, kShells + 1> count;   // in the core and the shells
 
   void make_room(int clusters);
 };

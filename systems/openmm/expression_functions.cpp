@@ -114,6 +114,7 @@ const Functions<Smooth>& smooth_functions() {
   return kAll;
 }
 
+// With the number of their arguments. Where a function levels off to a constant counts as another branch.
 const Functions<Branching>& branching_functions() {
   static const Functions<Branching> kAll = {{"abs", {1, absolute}},
                                             {"step", {1, step}},
