@@ -37,7 +37,7 @@ struct Sweep {
 };
 
 Sweep turned_too_far(int bond) {
-  return {{1, bond}, Failure::kTurned};
+  return {{.value = 1, .bond = bond}, Failure::kTurned};  // an error of about the whole length
 }
 
 SolveStats repeat(const SweepLimits& limits, Failure failure, auto&& sweep) {

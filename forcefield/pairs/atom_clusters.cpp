@@ -361,6 +361,7 @@ void AtomClusters::add_neighbours_of_image(const Column& column, const Vec3& ste
   for (std::int64_t px = first[0]; px <= last[0]; ++px)
     for (std::int64_t py = first[1]; py <= last[1]; ++py) {
       const double dx = further(0, px), dy = further(1, py), gx = gap(0, dx), gy = gap(1, dy);
+      // Of two columns one finds the other, so that each pair is met once.
       if (dx < 0 || (dx == 0 && (dy < 0 || (dy == 0 && steps[2] < 0)))) continue;
       if (gx * gx + gy * gy > range2 * (1 + 1e-9)) continue;
       const int found = table_[table_entry({px, py})];
