@@ -65,7 +65,7 @@ struct Piece {
   ClusterShape shape;
 };
 
-// With two atoms of each neighbour: the bond between the pieces ends in one, the bond after it, its partner, in both.
+// With the two nearest atoms of each neighbour: the bond between them couples to the one between the pieces.
 Piece piece_of(const ClusterShape& chain, const Path& path, int from, int to) {
   Piece piece;
   piece.shape.left = from == 0 ? 0 : 2;
