@@ -8,25 +8,19 @@ void bond_vectors(const System& sys, const Vectors& x, Vectors& r) {
 }
 
 void differences(const System& sys, const Vectors& x, Vectors& r) {
-  for (int k = 0; k < r.cols(); ++k) r.col(k) = x.col(sys.bond(k).j) - x.col(sys.bond(k).i);
+  for (int k = 0; k < r.cols(); ++k) r.col(k) = sys.difference(sys.bond(k), x);
 }
 
 void add_constraint_force(const System& sys, const Vectors& r, const Eigen::VectorXd& lambda, Vectors& f) {
   for (int k = 0; k < r.cols(); ++k) {
     const Vec3 pull = lambda[k] * r.col(k);
-    f.col(sys.bond(k).i) -= pull;
-    f.col(sys.bond(k).j) += pull;
+    sys.for_each_bearer(sys.bond(k), [&](int a, double c) { f.col(a) += c * pull; });
   }
 }
 
 void add_constraint_acceleration(const System& sys, const Vectors& r, const Eigen::VectorXd& lambda,
                                  Vectors& y) {
-  for (int k = 0; k < r.cols(); ++k) {
-    const auto& [i, j, d] = sys.bond(k);
-    const Vec3 pull = lambda[k] * r.col(k);
-    y.col(i) -= sys.inv_mass[i] * pull;
-    y.col(j) += sys.inv_mass[j] * pull;
-  }
+  for (int k = 0; k < r.cols(); ++k) add_constraint_acceleration(sys, k, lambda[k] * r.col(k), y);
 }
 
 Eigen::VectorXd tensions(const System& sys, const Eigen::VectorXd& lambda) {

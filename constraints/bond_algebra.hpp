@@ -7,7 +7,8 @@ namespace taut {
 
 // The algebra of rigid bonds. For bond k = (i, j): r = x_j − x_i, v_ij = v_j − v_i,
 //     σ = ½(|r|² − d²),   σ̇ = r·v_ij,   σ̈ = r·a_ij + |v_ij|²,
-// row k of J has −r at i and +r at j, and a constraint force is f_c = Jᵀλ.
+// row k of J has −r at i and +r at j (c r at each atom that bears the bond: md/system.hpp), and a constraint force is
+// f_c = Jᵀλ.
 // Arrays over bonds are 3 × m or m, arrays over atoms 3 × n. One-sided bonds come after the ordinary ones.
 
 inline double sigma(const Vec3& r, double d) {
@@ -32,6 +33,11 @@ void add_constraint_force(const System& sys, const Vectors& r, const Eigen::Vect
 // y += M⁻¹Jᵀλ
 void add_constraint_acceleration(const System& sys, const Vectors& r, const Eigen::VectorXd& lambda,
                                  Vectors& y);
+
+// The same of bond k alone, with λr.
+inline void add_constraint_acceleration(const System& sys, int k, const Vec3& pull, Vectors& y) {
+  sys.for_each_bearer(sys.bond(k), [&](int a, double c) { y.col(a) += c * sys.inv_mass[a] * pull; });
+}
 
 // Returns the tension −λd [kJ/mol/nm] of each ordinary bond; it is positive if the bond pulls its atoms
 // together.

@@ -9,7 +9,7 @@ namespace taut {
 
 // Assembles and solves with A = J M⁻¹Jᵀ,
 //     A_kk = (1/m_i + 1/m_j)|r_k|²,   A_kl = ±(r_k·r_l)/m_a,
-// or with A' = J(x')M⁻¹J(x)ᵀ, A'_kl = ±(r'_k·r_l)/m_a, which is not symmetric: the exact derivative of σ(x')
+// with 1/m weighed where virtual sites bear bonds (Couplings), or with A' = J(x')M⁻¹J(x)ᵀ, A'_kl = ±(r'_k·r_l)/m_a, which is not symmetric: the exact derivative of σ(x')
 // with respect to multipliers that act along J(x). It takes clusters of any shape. The cost is linear in the
 // number of bonds for chains, trees and small molecules. Neither factor() nor solve() allocates.
 class DirectSolver {

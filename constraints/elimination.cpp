@@ -126,7 +126,7 @@ Elimination::Elimination(const Couplings& couplings, std::vector<Stage> stage, O
     const auto [k, l] = couplings.pairs[e];
     if (stage[k] == kApart || stage[l] == kApart) continue;
     const auto [first, last] = std::minmax(place[k], place[l]);
-    signed_inv_mass[entry(last, first)] = couplings.signed_inv_mass[e];
+    signed_inv_mass[entry(last, first)] += couplings.signed_inv_mass[e];
   }
   std::size_t updates = 0;  // many where rings fill a net: no room for growth besides
   for (int k = 0; k < n; ++k) {

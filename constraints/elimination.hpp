@@ -38,7 +38,7 @@ struct Elimination {
   std::vector<int> order;               // the k-th unknown is bond order[k]
   std::vector<int> column_start;        // n + 1
   std::vector<std::ptrdiff_t> row;      // of each entry of L below the diagonal, by columns
-  std::vector<double> signed_inv_mass;  // s in A_entry = s r_k·r_row, s = ±1/m [1/u]; 0 for fill
+  std::vector<double> signed_inv_mass;  // s in A_entry = s r_k·r_row, of Couplings [1/u]; 0 for fill
   std::vector<std::ptrdiff_t> update;   // the entries (q, p) in the order of the loops above
 
  private:

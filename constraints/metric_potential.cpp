@@ -5,7 +5,7 @@
 namespace taut {
 
 MetricPotential::MetricPotential(const System& sys)
-    : bonds_(sys.bonds),
+    : sys_(sys),
       reduced_inv_mass_(Couplings(sys).reduced_inv_mass),
       plan_(Couplings(sys), {}, Elimination::Order::kMinimumDegree),
       r_(3, plan_.size()),
@@ -58,7 +58,7 @@ void MetricPotential::invert() {
 
 double MetricPotential::add_forces(const Vectors& x, double kT, Vectors& f) {
   const int n = plan_.size(), *order = plan_.order.data(), *start = plan_.column_start.data();
-  for (int k = 0; k < n; ++k) r_.col(k) = x.col(bonds_[k].j) - x.col(bonds_[k].i);
+  for (int k = 0; k < n; ++k) r_.col(k) = sys_.difference(sys_.bonds[k], x);
   factor();
   invert();
   double log_det = 0;
@@ -74,8 +74,7 @@ double MetricPotential::add_forces(const Vectors& x, double kT, Vectors& f) {
       g_.col(other) += z_s * r_.col(one);
     }
   for (int k = 0; k < n; ++k) {
-    f.col(bonds_[k].i) += kT * g_.col(k);
-    f.col(bonds_[k].j) -= kT * g_.col(k);
+    sys_.for_each_bearer(sys_.bonds[k], [&](int a, double c) { f.col(a) -= kT * c * g_.col(k); });
   }
   return 0.5 * kT * log_det;
 }

@@ -12,7 +12,7 @@ namespace taut {
 // needs Z = A⁻¹ only where L has entries. These follow from the last column to the first (Takahashi, Fagan and
 // Chen 1973; Erisman and Tinney 1975, doi:10.1145/360680.360704),
 //     Z_jk = −Σ_i Z_ji l_ik,   Z_kk = 1/d_k − Σ_i l_ik Z_ik,   i and j over the rows of column k,
-// and with s_kl = ±1/m of the atom that bonds k and l share, s_kk = 1/m_i + 1/m_j,
+// and with s_kl = ±1/m of the atom that bonds k and l share (bond_graph.hpp), s_kk = 1/m_i + 1/m_j,
 //     ∂U/∂r_k = kT Σ_l Z_kl s_kl r_l.
 // The cost is linear in the number of bonds for chains, trees and small molecules. Nothing is allocated.
 class MetricPotential {
@@ -26,7 +26,7 @@ class MetricPotential {
   void factor();
   void invert();
 
-  std::vector<RigidBond> bonds_;
+  System sys_;
   Eigen::VectorXd reduced_inv_mass_;
   Elimination plan_;
   std::vector<std::ptrdiff_t> first_update_;  // of each column, an index into plan_.update

@@ -66,9 +66,8 @@ const Eigen::VectorXd& Projector::multipliers(const System& sys, const State& s,
   differences(sys, s.v, v_ij_);
   solver_.factor(r_);
   for (int k = 0; k < sys.bond_count(); ++k) {
-    const auto& [i, j, d] = sys.bonds[k];
-    Vec3 a_ij = sys.inv_mass[j] * s.f.col(j) - sys.inv_mass[i] * s.f.col(i);
-    if (prescribed) a_ij += prescribed->col(j) - prescribed->col(i);
+    Vec3 a_ij = prescribed ? sys.difference(sys.bonds[k], *prescribed) : Vec3(Vec3::Zero());
+    sys.for_each_bearer(sys.bonds[k], [&](int a, double c) { a_ij += c * sys.inv_mass[a] * s.f.col(a); });
     b_[k] = -(r_.col(k).dot(a_ij) + v_ij_.col(k).squaredNorm());
   }
   solver_.solve(b_);

@@ -41,18 +41,19 @@ std::vector<int> follow_from_those_before(const System& sys, const std::vector<i
                                           const Vectors& x) {
   std::map<int, int> place;  // of a movable atom in a row of J
   for (int k : bonds)
-    for (int a : {sys.bonds[k].i, sys.bonds[k].j})
+    sys.for_each_bearer(sys.bonds[k], [&](int a, double) {
       if (sys.mass[a] > 0) place.try_emplace(a, 3 * static_cast<int>(place.size()));
+    });
   const auto width = static_cast<Eigen::Index>(3 * place.size());
   Eigen::MatrixXd basis(width, std::min<Eigen::Index>(width, std::ssize(bonds)));
   Eigen::Index rank = 0;
   std::vector<int> following;
   for (int k : bonds) {
-    const auto& [i, j, d] = sys.bonds[k];
     Eigen::VectorXd row = Eigen::VectorXd::Zero(width);
     const Vec3 along = sys.along(sys.bonds[k], x).normalized();
-    if (sys.mass[i] > 0) row.segment<3>(place[i]) = -along;
-    if (sys.mass[j] > 0) row.segment<3>(place[j]) = along;
+    sys.for_each_bearer(sys.bonds[k], [&](int a, double c) {
+      if (sys.mass[a] > 0) row.segment<3>(place[a]) += c * along;
+    });
     for (int pass = 0; pass < 2; ++pass)
       row -= basis.leftCols(rank) * (basis.leftCols(rank).transpose() * row).eval();
     if (rank < basis.cols() && row.norm() > kParallel)
@@ -70,10 +71,10 @@ Eigen::MatrixXd length_rows(const System& sys, const std::vector<int>& bonds, co
   const Eigen::Index dims = span.cols();
   Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(std::ssize(bonds), dims * std::ssize(place));
   for (Eigen::Index b = 0; b < rows.rows(); ++b) {
-    const auto& [i, j, d] = sys.bonds[bonds[b]];
     const Eigen::RowVectorXd along = sys.along(sys.bonds[bonds[b]], x).normalized().transpose() * span;
-    if (sys.mass[i] > 0) rows.block(b, dims * place.at(i), 1, dims) = -along;
-    if (sys.mass[j] > 0) rows.block(b, dims * place.at(j), 1, dims) = along;
+    sys.for_each_bearer(sys.bonds[bonds[b]], [&](int a, double c) {
+      if (sys.mass[a] > 0) rows.block(b, dims * place.at(a), 1, dims) += c * along;
+    });
   }
   return rows;
 }
@@ -84,8 +85,7 @@ struct AtomsOfBonds {
 };
 AtomsOfBonds atoms_of(const System& sys, const std::vector<int>& bonds) {
   AtomsOfBonds atoms;
-  for (const int k : bonds)
-    for (const int a : {sys.bonds[k].i, sys.bonds[k].j}) atoms.all.push_back(a);
+  for (const int k : bonds) sys.for_each_bearer(sys.bonds[k], [&](int a, double) { atoms.all.push_back(a); });
   std::ranges::sort(atoms.all);
   atoms.all.erase(std::unique(atoms.all.begin(), atoms.all.end()), atoms.all.end());
   for (const int a : atoms.all)
@@ -170,10 +170,9 @@ Redundancy find_redundancy(const System& sys, const Vectors& x) {
   if (here.empty()) return found;
   Random random(1);
   Vectors shaken = x;
-  for (const auto& [i, j, d] : sys.bonds) {
-    shaken.col(i) += 0.1 * d * random.normal_vector();
-    shaken.col(j) += 0.1 * d * random.normal_vector();
-  }
+  for (const RigidBond& bond : sys.bonds)
+    sys.for_each_bearer(bond,
+                        [&](int a, double) { shaken.col(a) += 0.1 * bond.length * random.normal_vector(); });
   // Bonds that are independent here are independent elsewhere, too. The dependent ones are redundant if they
   // follow from those elsewhere as well, whichever bonds were chosen as independent.
   const std::vector<int> cluster_of = clusters_of_bonds(sys);
@@ -228,29 +227,30 @@ Eigen::VectorXd least_norm_multipliers(const System& full, const Vectors& x, con
   Eigen::VectorXd all = Eigen::VectorXd::Zero(full.bond_count());  // the left-out bonds begin with λ = 0
   const std::vector<char> dropped = marked(full.bond_count(), left_out);
   std::vector<IndexPair> ties;
+  const auto first_atom = [&](int k) {
+    return full.bearers.empty() ? full.bonds[k].i : full.bearers[full.bonds[k].i].front().atom;
+  };
   for (int k = 0, kept = 0; k < full.bond_count(); ++k) {
-    ties.push_back({full.bonds[k].i, full.bonds[k].j});
+    full.for_each_bearer(full.bonds[k], [&](int a, double) { ties.push_back({first_atom(k), a}); });
     if (!dropped[k]) all[k] = lambda[kept++];
   }
   const std::vector<int> cluster_of = connected_components(full.atoms(), ties);
   std::map<int, std::vector<int>> overdetermined;  // the bonds of each overdetermined cluster
-  for (const int k : left_out) overdetermined[cluster_of[full.bonds[k].i]];
+  for (const int k : left_out) overdetermined[cluster_of[first_atom(k)]];
   for (int k = 0; k < full.bond_count(); ++k)
-    if (const auto at = overdetermined.find(cluster_of[full.bonds[k].i]); at != overdetermined.end())
+    if (const auto at = overdetermined.find(cluster_of[first_atom(k)]); at != overdetermined.end())
       at->second.push_back(k);
   for (const auto& [cluster, bonds] : overdetermined) {
     std::map<int, int> row;  // the row of an atom in Jᵀ
-    for (const int k : bonds) {
-      row.try_emplace(full.bonds[k].i, 3 * static_cast<int>(row.size()));
-      row.try_emplace(full.bonds[k].j, 3 * static_cast<int>(row.size()));
-    }
+    for (const int k : bonds)
+      full.for_each_bearer(full.bonds[k],
+                           [&](int a, double) { row.try_emplace(a, 3 * static_cast<int>(row.size())); });
     Eigen::MatrixXd J_t =
         Eigen::MatrixXd::Zero(3 * static_cast<int>(row.size()), static_cast<int>(bonds.size()));
     for (int c = 0; c < J_t.cols(); ++c) {
-      const auto& [i, j, d] = full.bonds[bonds[c]];
       const Vec3 r = full.along(full.bonds[bonds[c]], x);
-      J_t.block<3, 1>(row[i], c) = -r;
-      J_t.block<3, 1>(row[j], c) = r;
+      full.for_each_bearer(full.bonds[bonds[c]],
+                           [&](int a, double weight) { J_t.block<3, 1>(row[a], c) += weight * r; });
     }
     all(bonds) = J_t.completeOrthogonalDecomposition().solve(J_t * all(bonds)).eval();
   }

@@ -150,12 +150,21 @@ void MethodOptions::refuse_one_sided(const System& sys) const {
                   name(), sys.one_sided.size(), fmt::join(able, ", ")));
 }
 
+void MethodOptions::refuse_bonds_of_sites(const System& sys) const {
+  if (sys.bearers.empty() || !method_->added) return;
+  throw InputError(fmt::format(
+      "method \"{}\" is not taut's own, and is not told by which weights atoms bear the bonds that end in "
+      "virtual sites: take one of taut's, as newton, or bond atoms that are no sites",
+      name()));
+}
+
 std::unique_ptr<ConstraintMethod> MethodOptions::make(MethodEntry::Factory factory, const System& sys,
                                                       double h) const {
   if (!(h > 0)) throw InputError(fmt::format("a step of {} ps, expected more than 0", h));
   std::any values = values_;
   check_options(method_->describe(values));
   refuse_one_sided(sys);
+  refuse_bonds_of_sites(sys);
   return factory(sys, values_, h);
 }
 

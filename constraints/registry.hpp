@@ -63,8 +63,9 @@ class MethodOptions {
     return std::any_cast<Options>(&values_);
   }
 
-  // Throws InputError if the system has one-sided bonds and the method cannot hold them.
+  // Both throw InputError if the system has such bonds and the method cannot hold them.
   void refuse_one_sided(const System& sys) const;
+  void refuse_bonds_of_sites(const System& sys) const;
   std::unique_ptr<ConstraintMethod> make(MethodEntry::Factory factory, const System& sys, double h) const;
 
  private:

@@ -31,15 +31,12 @@ MovingAnchors::MovingAnchors(const System& sys, std::vector<AnchorMotion> motion
   std::ranges::sort(anchors_, {}, &Anchor::atom);
   if (empty()) return;
   prescribed_ = Vectors::Zero(3, sys.atoms());
-  const auto add_end = [&](int bond, int atom, double sign) {
-    const auto found = std::ranges::lower_bound(anchors_, atom, {}, &Anchor::atom);
-    if (found != anchors_.end() && found->atom == atom)
-      ends_.push_back({bond, static_cast<std::size_t>(found - anchors_.begin()), sign});
-  };
-  for (int k = 0; k < sys.all_bonds(); ++k) {
-    add_end(k, sys.bond(k).i, -1);
-    add_end(k, sys.bond(k).j, 1);
-  }
+  for (int k = 0; k < sys.all_bonds(); ++k)
+    sys.for_each_bearer(sys.bond(k), [&](int atom, double weight) {
+      const auto found = std::ranges::lower_bound(anchors_, atom, {}, &Anchor::atom);
+      if (found != anchors_.end() && found->atom == atom)
+        ends_.push_back({k, static_cast<std::size_t>(found - anchors_.begin()), weight});
+    });
 }
 
 void MovingAnchors::begin(State& s) {
@@ -84,11 +81,11 @@ std::vector<Vec3> MovingAnchors::forces(double h_back, const System& sys, const 
                                         const State& s) const {
   std::vector<Vec3> all;
   for (const Anchor& anchor : anchors_) all.emplace_back(s.F.col(anchor.atom));
-  for (const auto& [k, anchor, sign] : ends_) {
+  for (const auto& [k, anchor, weight] : ends_) {
     if (k >= lambda.size()) continue;  // one-sided, and the multipliers are of the others alone
     const RigidBond& bond = sys.bond(k);
-    const Vec3 r = sys.along(bond, s.x) - h_back * (s.v.col(bond.j) - s.v.col(bond.i));
-    all[anchor] += sign * lambda[k] * r;
+    const Vec3 r = sys.along(bond, s.x) - h_back * sys.difference(bond, s.v);
+    all[anchor] += weight * lambda[k] * r;
   }
   return all;
 }

@@ -39,7 +39,7 @@ class MovingAnchors {
   bool empty() const { return anchors_.empty(); }
   int first_bond() const {
     return ends_.empty() ? -1 : ends_.front().bond;
-  }  // that ends in one; −1: none does
+  }  // that one of them bears; −1: none does
 
   void begin(State& s);                        // they set out from where they are
   void set_off(double h, State& s);            // v½ of the drift to come
@@ -69,7 +69,7 @@ class MovingAnchors {
   struct End {
     int bond;  // System::bond
     std::size_t anchor;
-    double sign;  // of Jᵀλ there
+    double weight;  // of Jᵀλ there: −1 or 1, or as a virtual site has it
   };
   SmoothCourse::Motion at(const Anchor& anchor, double t) const {
     return motions_[anchor.motion].at(anchor.from, since_, t);

@@ -21,14 +21,15 @@ struct Tested {
   const char* name;
   int k;
   RigidBond bond;
+  Side side;
 
   [[noreturn]] void refuse(const std::string& what) const {
     throw InputError(fmt::format("{} {} ({}-{}): {}", name, k, bond.i, bond.j, what));
   }
 };
 
-void check_bond(const Eigen::VectorXd& mass, const std::vector<bool>& is_site, const Tested& tested) {
-  const auto& [name, k, bond] = tested;
+void check_bond(const Eigen::VectorXd& mass, const Tested& tested) {
+  const auto& [name, k, bond, side] = tested;
   const auto& [i, j, length] = bond;
   for (const int a : {i, j})
     if (a < 0 || a >= mass.size())
@@ -37,25 +38,51 @@ void check_bond(const Eigen::VectorXd& mass, const std::vector<bool>& is_site, c
   if (i == j) throw InputError(fmt::format("{} {}: ties atom {} to itself", name, k, i));
   if (!(length > 0) || !std::isfinite(length))
     tested.refuse(fmt::format("length {} nm, expected more than 0", length));
-  if (is_site[i] || is_site[j])
-    tested.refuse(fmt::format("atom {} is a virtual site, expected atoms that move", is_site[i] ? i : j));
-  if (mass[i] == 0 && mass[j] == 0) tested.refuse("both ends are anchored (mass 0)");
 }
 
 // No two on one pair, but for a strut beside a rope.
 class PairsSeen {
  public:
-  void add(const Tested& tested, Side side) {
+  void add(const Tested& tested) {
     auto& on_pair = seen_[std::minmax(tested.bond.i, tested.bond.j)];
-    for (const auto& [other, its_side] : on_pair)
-      if (side == its_side || side == Side::kBoth || its_side == Side::kBoth)
+    for (const Tested& other : on_pair)
+      if (tested.side == other.side || tested.side == Side::kBoth || other.side == Side::kBoth)
         tested.refuse(fmt::format("repeats {} {}, two bonds on the same pair", other.name, other.k));
-    on_pair.push_back({tested, side});
+    on_pair.push_back(tested);
   }
 
  private:
-  std::map<std::pair<int, int>, std::vector<std::pair<Tested, Side>>> seen_;
+  std::map<std::pair<int, int>, std::vector<Tested>> seen_;
 };
+
+template <class Visit>
+void for_each_tested(const System& sys, const Visit& visit) {
+  for (int k = 0; k < sys.bond_count(); ++k) visit(Tested{"bond", k, sys.bonds[k], Side::kBoth});
+  for (int k = 0; k < std::ssize(sys.one_sided); ++k)
+    visit(Tested{"one-sided bond", k, sys.one_sided[k], sys.one_sided[k].side});
+}
+
+// Finds who bears the bonds, and refuses those that nothing that moves bears.
+void find_bearers(System& sys) {
+  const auto ends_in_site = [&](const RigidBond& bond) { return sys.is_site(bond.i) || sys.is_site(bond.j); };
+  if (!sys.sites.empty() &&
+      (std::ranges::any_of(sys.bonds, ends_in_site) || std::ranges::any_of(sys.one_sided, ends_in_site)))
+    for (int a = 0; a < sys.atoms(); ++a) sys.bearers.push_back(weighted_atoms_of(sys.sites, a));
+  for_each_tested(sys, [&](const Tested& tested) {
+    for (const int a : {tested.bond.i, tested.bond.j})
+      if (sys.is_site(a) && sys.bearers[a].empty())
+        tested.refuse(fmt::format(
+            "atom {} is a virtual site out of the plane of its parents or in a local frame of theirs, "
+            "where no bond can end: expected an atom, or a site at a weighted mean of its parents "
+            "(of two, or of three in their plane)",
+            a));
+    double all = 0;
+    sys.for_each_bearer(tested.bond, [&](int a, double c) { all += std::abs(c) * sys.mass[a]; });
+    if (all == 0) tested.refuse("both ends are anchored (mass 0)");
+    if (!(sys.reduced_inv_mass(tested.bond) > 1e-12 / sys.mass.maxCoeff()))
+      tested.refuse("the weights of its virtual sites put both its ends at one place");
+  });
+}
 
 // Refuses a bond that is longer than the way from one of its ends to the other by further bonds or ropes, which no
 // positions fit. Ways are searched by Dijkstra's algorithm, up to the bond's length. What is longer by less than a thousandth may
@@ -147,8 +174,7 @@ void check_order(const VirtualSites& sites, std::vector<bool> waits) {
   }
 }
 
-// Which atoms are sites.
-std::vector<bool> checked_sites(const Eigen::VectorXd& mass, const VirtualSites& sites) {
+void check_sites(const Eigen::VectorXd& mass, const VirtualSites& sites) {
   std::vector<bool> is_site(mass.size());
   for (const VirtualSite& site : sites) {
     if (site.atom < 0 || site.atom >= mass.size())
@@ -161,7 +187,6 @@ std::vector<bool> checked_sites(const Eigen::VectorXd& mass, const VirtualSites&
   }
   for (const VirtualSite& site : sites) check_parents(site, mass.size());
   check_order(sites, is_site);
-  return is_site;
 }
 
 }  // namespace
@@ -170,6 +195,15 @@ void refuse_more_atoms(double atoms) {
   if (atoms > kMostAtoms)
     throw InputError(fmt::format(
         "a system of {:.0f} atoms, more than the {:.0f} taut takes: build fewer copies", atoms, kMostAtoms));
+}
+
+double System::reduced_inv_mass(const RigidBond& bond) const {
+  if (bearers.empty()) return inv_mass[bond.i] + inv_mass[bond.j];
+  double sum = 0;
+  for_each_bearer(bond, [&](int a, double c) {
+    for_each_bearer(bond, [&, a = a](int b, double other) { sum += a == b ? inv_mass[a] * c * other : 0; });
+  });
+  return sum;
 }
 
 bool System::is_site(int a) const {
@@ -189,17 +223,7 @@ System make_system(Eigen::VectorXd mass, std::vector<RigidBond> bonds, VirtualSi
       throw InputError(
           fmt::format("atom {}: mass {} u, expected a positive number, or 0 for an anchor", a, mass[a]));
 
-  const std::vector<bool> is_site = checked_sites(mass, sites);
-  PairsSeen seen;
-  for (int k = 0; k < std::ssize(bonds); ++k) {
-    check_bond(mass, is_site, {"bond", k, bonds[k]});
-    seen.add({"bond", k, bonds[k]}, Side::kBoth);
-  }
-  for (int k = 0; k < std::ssize(one_sided); ++k) {
-    check_bond(mass, is_site, {"one-sided bond", k, one_sided[k]});
-    seen.add({"one-sided bond", k, one_sided[k]}, one_sided[k].side);
-  }
-
+  check_sites(mass, sites);
   System sys;
   sys.inv_mass = mass.unaryExpr([](double m) { return m == 0 ? 0.0 : 1 / m; });
   sys.mass = std::move(mass);
@@ -207,6 +231,12 @@ System make_system(Eigen::VectorXd mass, std::vector<RigidBond> bonds, VirtualSi
   sys.one_sided = std::move(one_sided);
   sys.sites = std::move(sites);
   std::ranges::sort(sys.sites, {}, &VirtualSite::atom);
+  PairsSeen seen;
+  for_each_tested(sys, [&](const Tested& tested) {
+    check_bond(sys.mass, tested);
+    seen.add(tested);
+  });
+  find_bearers(sys);
   refuse_lengths_that_do_not_close(sys);
   return sys;
 }

@@ -146,6 +146,26 @@ VirtualSite VirtualSite::local(int atom, std::vector<Parent> parents, const Vec3
   return {atom, Kind::kLocal, std::move(parents), p};
 }
 
+std::vector<Weighted> weighted_atoms_of(const VirtualSites& sites, int atom) {
+  const VirtualSite* site = site_at(sites, atom);
+  if (!site) return {{atom, 1}};
+  if (site->kind != Kind::kAverage) return {};
+  std::vector<Weighted> all;
+  for (const auto& parent : site->parents) {
+    if (parent.w == 0) continue;
+    const std::vector<Weighted> of_parent = weighted_atoms_of(sites, parent.atom);
+    if (of_parent.empty()) return {};
+    for (const auto& [a, weight] : of_parent) {
+      const auto known = std::ranges::find(all, a, &Weighted::atom);
+      if (known == all.end())
+        all.push_back({a, parent.w * weight});
+      else
+        known->weight += parent.w * weight;
+    }
+  }
+  return all;
+}
+
 void place_sites(const VirtualSites& sites, Vectors& x) {
   for (const VirtualSite& site : sites)
     after_parents(sites, site, site.atom, [&](const VirtualSite& of) { place(of, x); });

@@ -35,6 +35,15 @@ struct VirtualSite {
 
 using VirtualSites = std::vector<VirtualSite>;
 
+// An atom that is no site, and its weight in a sum of positions.
+struct Weighted {
+  int atom;
+  double weight;
+};
+// The atoms, each once, by whose weights w an atom is at Σ w x: itself, or those that a site follows from, through sites
+// among its parents. Empty for a site that is at no weighted mean. The sites are in the order of their atoms.
+std::vector<Weighted> weighted_atoms_of(const VirtualSites& sites, int atom);
+
 // Puts sites, in the order of their atoms, in their positions. Throws SimulationFailure where X and Y of a local frame are parallel, or one
 // of them is zero.
 void place_sites(const VirtualSites& sites, Vectors& x);

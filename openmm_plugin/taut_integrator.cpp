@@ -68,7 +68,9 @@ HeldBonds held_bonds(const OpenMM::System& system, const HoldSettings& settings)
       if (!is_there || system.isVirtualSite(atom))
         throw OpenMM::OpenMMException("TautIntegrator: a bond of atoms " + std::to_string(bond.i) + " and " +
                                       std::to_string(bond.j) + ": " + std::to_string(atom) +
-                                      (is_there ? " is a virtual site" : " is not an atom of the System"));
+                                      (is_there
+                                           ? " is a virtual site (a scene of taut's takes bonds of sites)"
+                                           : " is not an atom of the System"));
     }
     held.bonds.push_back(bond);
   }

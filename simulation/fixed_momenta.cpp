@@ -27,7 +27,9 @@ void refuse_momentum_of_anchored_bonds(const Scene& scene) {
   const System& sys = scene.system;
   for (int k = 0; k < sys.all_bonds(); ++k) {
     const auto& [i, j, d] = sys.bond(k);
-    if (sys.mass[i] > 0 && sys.mass[j] > 0) continue;
+    bool anchored = false;
+    sys.for_each_bearer(sys.bond(k), [&](int a, double) { anchored = anchored || sys.mass[a] == 0; });
+    if (!anchored) continue;
     throw InputError(fmt::format(
         "the momentum of the whole is to be taken out (run.remove_momentum_every = {}, OpenMM's "
         "CMMotionRemover), but bond {} ({}-{}) ends in an anchor (mass 0), which takes momentum up, so "

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "base/words.hpp"
+#include "constraints/bond_algebra.hpp"
 #include "constraints/bond_graph.hpp"
 
 namespace taut {
@@ -13,16 +14,13 @@ namespace taut {
 Eigen::VectorXd SweptErrors::swept(const Eigen::VectorXd& sigma) const {
   Vectors moved = Vectors::Zero(3, sys_.atoms());
   const auto left = [&](int k) {
-    const auto& [i, j, d] = sys_.bonds[k];
-    return sigma[k] + sys_.along(sys_.bonds[k], x_).dot(moved.col(j) - moved.col(i));
+    return sigma[k] + sys_.along(sys_.bonds[k], x_).dot(sys_.difference(sys_.bonds[k], moved));
   };
   for (int sweep = 0; sweep < sweeps_; ++sweep)
     for (int k = 0; k < sys_.bond_count(); ++k) {
-      const auto& [i, j, d] = sys_.bonds[k];
       const Vec3 r = sys_.along(sys_.bonds[k], x_);
-      const double g = -left(k) / ((sys_.inv_mass[i] + sys_.inv_mass[j]) * r.squaredNorm());
-      moved.col(i) -= sys_.inv_mass[i] * g * r;
-      moved.col(j) += sys_.inv_mass[j] * g * r;
+      const double g = -left(k) / (sys_.reduced_inv_mass(sys_.bonds[k]) * r.squaredNorm());
+      add_constraint_acceleration(sys_, k, g * r, moved);
     }
   Eigen::VectorXd after(sigma.size());
   for (int k = 0; k < sys_.bond_count(); ++k) after[k] = left(k);
@@ -63,9 +61,10 @@ std::vector<SweptShape> cluster_shapes(const System& sys) {
   std::vector<int> counts;
   for (const auto& [first, bonds] : bonds_of_clusters(sys)) {
     std::vector<double> kind;
-    for (const int k : bonds)
-      for (const double number : {sys.mass[sys.bonds[k].i], sys.mass[sys.bonds[k].j], sys.bonds[k].length})
-        kind.push_back(number);
+    for (const int k : bonds) {
+      sys.for_each_bearer(sys.bonds[k], [&](int a, double c) { kind.insert(kind.end(), {sys.mass[a], c}); });
+      kind.push_back(sys.bonds[k].length);
+    }
     const std::size_t shape = known.try_emplace(kind, known.size()).first->second;
     shapes.resize(known.size());
     counts.resize(known.size(), 0);

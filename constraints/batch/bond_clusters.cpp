@@ -93,7 +93,7 @@ BondClusters find_clusters(const System& sys, const ClusterLimits& limits) {
     }
     std::sort(atoms.begin(), atoms.end());
     atoms.erase(std::unique(atoms.begin(), atoms.end()), atoms.end());
-    const bool anchored =
+    const bool anchored =  // or in a virtual site
         std::any_of(atoms.begin(), atoms.end(), [&](int a) { return sys.inv_mass[a] == 0; });
     const bool meets_itself = sys.reach_of(atoms.front()) == Reach::kCluster;
     if (anchored || meets_itself || static_cast<int>(bonds.size()) > most_bonds_of(limits)) {

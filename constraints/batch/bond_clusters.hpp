@@ -40,7 +40,8 @@ struct BondClusters {
   std::vector<ClusterBatch> batches;
   std::vector<ClusterBatch> pieces;               // of long chains
   std::vector<std::vector<PieceOfChain>> chains;  // the pieces of each cut chain, from end to end
-  // Bonds of clusters with an anchored atom, through the box to their own image, or larger than the limits allow.
+  // Bonds of clusters with an anchored atom or a bond of a virtual site, through the box to their own image, or larger
+  // than the limits allow.
   std::vector<int> rest;
 };
 

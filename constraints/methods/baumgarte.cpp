@@ -142,11 +142,13 @@ SolveStats Baumgarte::set_targets(const System& sys, const Push& push, const Sta
   differences(sys, s.v, v_half_);
   Residual now;
   for (int k = 0; k < sys.all_bonds(); ++k) {
-    const auto& [i, j, d] = sys.bond(k);
+    const double d = sys.bond(k).length;
     const int side = sys.side(k);
     const double sigma_now = sigma(r_.col(k), d);
     const double sigma_before = sigma(r_.col(k) - push.last_h() * v_half_.col(k), d);
-    a_.col(k) = push.acceleration(sys, s.f, j) - push.acceleration(sys, s.f, i);
+    a_.col(k).setZero();
+    sys.for_each_bearer(sys.bond(k),
+                        [&](int a, double c) { a_.col(k) += c * push.acceleration(sys, s.f, a); });
     free_.col(k) = r_.col(k) + push.h * v_half_.col(k) + push.h_kick() * a_.col(k);
     now.see((side == 0 ? std::abs(sigma_now) : std::max(0.0, -side * sigma_now)) / (d * d), k);
     if (side == 0)
@@ -161,10 +163,9 @@ SolveStats Baumgarte::set_targets(const System& sys, const Push& push, const Sta
 
 // Returns σ₊ − τ of bond k, and sets r₊, for y = M⁻¹Jᵀλ.
 double Baumgarte::miss(const System& sys, const Push& push, int k) {
-  const auto& [i, j, d] = sys.bond(k);
-  const Vec3 y_ij = y_.col(j) - y_.col(i);
+  const Vec3 y_ij = sys.difference(sys.bond(k), y_);
   r_next_.col(k) = free_.col(k) + push.h_kick() * y_ij;
-  double miss = sigma(r_next_.col(k), d) - target_[k];
+  double miss = sigma(r_next_.col(k), sys.bond(k).length) - target_[k];
   if (sys.side(k) == 0 && !laws_[k].drive.none()) {
     const Vec3 v = v_half_.col(k), a = a_.col(k) + y_ij;  // at the start v is of the full step
     miss -= push.starts() ? 0.5 * std::pow(push.h, 3) * (v + 0.25 * push.h * a).dot(a) : laws_[k].drive(v, a);
@@ -239,12 +240,10 @@ SolveStats Baumgarte::solve_by_sweeps(const System& sys, const Push& push, Solve
     missed = {};
     for (int k = 0; k < sys.all_bonds(); ++k) {
       if (r_.col(k).isZero(0)) continue;  // left out
-      const auto& [i, j, d] = sys.bond(k);
-      const double w_i = sys.inv_mass[i], w_j = sys.inv_mass[j];
+      const double d = sys.bond(k).length;
       const int side = sys.side(k);
-      const auto add = [&, i = i, j = j](double more) {
-        y_.col(i) -= w_i * more * r_.col(k);
-        y_.col(j) += w_j * more * r_.col(k);
+      const auto add = [&](double more) {
+        add_constraint_acceleration(sys, k, more * r_.col(k), y_);
         lambda_[k] += more;
       };
       double off = miss(sys, push, k);
@@ -254,7 +253,7 @@ SolveStats Baumgarte::solve_by_sweeps(const System& sys, const Push& push, Solve
       }
       if (side * off > 0 && lambda_[k] == 0) continue;  // slack
       const double along = r_next_.col(k).dot(r_.col(k));
-      const double lambda = lambda_[k] - off / (push.h_kick() * (w_i + w_j) * along);
+      const double lambda = lambda_[k] - off / (push.h_kick() * sys.reduced_inv_mass(sys.bond(k)) * along);
       if (along <= 0 || !std::isfinite(lambda)) {
         stats.worst_bond = k;
         stats.failure = along <= 0 ? Failure::kTurned : Failure::kRanAway;

@@ -66,8 +66,8 @@ std::vector<std::string_view> gain_names() {
 std::vector<Gains> choose_gains(const GainChoice& choice, Damping damping, const System& sys, double h) {
   expect_name("method.gains", choice.name, gain_names());
   std::vector<Gains> gains;
-  for (const auto& [i, j, d] : sys.bonds) {
-    const auto [ah, bh] = named(choice, damping, 1 / (sys.inv_mass[i] + sys.inv_mass[j]), h);
+  for (const RigidBond& bond : sys.bonds) {
+    const auto [ah, bh] = named(choice, damping, 1 / sys.reduced_inv_mass(bond), h);
     gains.push_back({choice.alpha_per_ps.value_or(ah / h), choice.beta_per_ps.value_or(bh / h)});
     check_gains(gains.back(), damping, h);
   }

@@ -83,10 +83,9 @@ void Lincs::apply(const System& sys, Vectors& y) {
 
 SolveStats Lincs::project_positions(const System& sys, double h, State& s) {
   for (int k = 0; k < sys.bond_count(); ++k) {
-    const auto& [i, j, d] = sys.bonds[k];
     const Vec3 r = sys.along(sys.bonds[k], s.x);
-    directions_.col(k) = (r - h * (s.v.col(j) - s.v.col(i))).normalized();
-    rhs_[k] = scale_[k] * (directions_.col(k).dot(r) - d);
+    directions_.col(k) = (r - h * sys.difference(sys.bonds[k], s.v)).normalized();
+    rhs_[k] = scale_[k] * (directions_.col(k).dot(r) - sys.bonds[k].length);
   }
   find_coupling();
   g_.setZero();
@@ -95,7 +94,7 @@ SolveStats Lincs::project_positions(const System& sys, double h, State& s) {
   for (int iteration = 0; iteration <= options_.iterations; ++iteration) {
     residual = {};
     for (int k = 0; k < sys.bond_count(); ++k) {
-      const auto& [i, j, d] = sys.bonds[k];
+      const double d = sys.bonds[k].length;
       const double square = sys.along(sys.bonds[k], s.x).squaredNorm();
       rhs_[k] = scale_[k] * (d - std::sqrt(std::max(0.0, 2 * d * d - square)));
       residual.see(0.5 * std::abs(square / (d * d) - 1), k);
@@ -110,9 +109,8 @@ SolveStats Lincs::project_positions(const System& sys, double h, State& s) {
 
 SolveStats Lincs::project_velocities(const System& sys, double h, State& s) {
   for (int k = 0; k < sys.bond_count(); ++k) {
-    const auto& [i, j, d] = sys.bonds[k];
     directions_.col(k) = sys.along(sys.bonds[k], s.x).normalized();
-    rhs_[k] = scale_[k] * directions_.col(k).dot(s.v.col(j) - s.v.col(i));
+    rhs_[k] = scale_[k] * directions_.col(k).dot(sys.difference(sys.bonds[k], s.v));
   }
   find_coupling();
   g_.setZero();

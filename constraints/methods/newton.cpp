@@ -19,8 +19,7 @@ Newton::Newton(const System& sys, const Options& options, double)
 
 SolveStats Newton::project_positions(const System& sys, double h, State& s) {
   for (int k = 0; k < sys.bond_count(); ++k) {
-    const auto& [i, j, d] = sys.bonds[k];
-    r_old_.col(k) = sys.along(sys.bonds[k], s.x) - h * (s.v.col(j) - s.v.col(i));
+    r_old_.col(k) = sys.along(sys.bonds[k], s.x) - h * sys.difference(sys.bonds[k], s.v);
   }
   if (!factored_) solver_.factor(r_old_);
 
@@ -31,7 +30,7 @@ SolveStats Newton::project_positions(const System& sys, double h, State& s) {
   for (double before = std::numeric_limits<double>::infinity();;) {
     Residual residual;
     for (int k = 0; k < sys.bond_count(); ++k) {
-      const auto& [i, j, d] = sys.bonds[k];
+      const double d = sys.bonds[k].length;
       r_.col(k) = sys.along(sys.bonds[k], s.x);
       dg_[k] = -sigma(r_.col(k), d);
       residual.see(std::abs(dg_[k]) / (d * d), k);
@@ -79,10 +78,7 @@ SolveStats Newton::project_velocities(const System& sys, double h, State& s) {
   bond_vectors(sys, s.x, r_);
   solver_.factor(r_);
   factored_ = true;
-  const auto rate = [&](int k) {
-    const auto& [i, j, d] = sys.bonds[k];
-    return r_.col(k).dot(s.v.col(j) - s.v.col(i));
-  };
+  const auto rate = [&](int k) { return r_.col(k).dot(sys.difference(sys.bonds[k], s.v)); };
   for (int k = 0; k < sys.bond_count(); ++k) g_[k] = -rate(k);
   solver_.solve(g_);
   add_constraint_acceleration(sys, r_, g_, s.v);

@@ -150,11 +150,11 @@ HWY_EXPORT(settle_positions);
 HWY_EXPORT(settle_velocities);
 
 std::vector<Settle::Water> Settle::waters_in(const System& sys) {
-  const auto bonds_at = bonds_at_atoms(sys.atoms(), sys.bonds);
+  const auto bonds_at = bonds_at_atoms(sys);
   const auto other_end = [&](int k, int a) { return sys.bonds[k].i == a ? sys.bonds[k].j : sys.bonds[k].i; };
   const auto bond_between = [&](int a, int b) {
     for (int k : bonds_at[a])
-      if (other_end(k, a) == b) return k;
+      if (std::minmax(sys.bonds[k].i, sys.bonds[k].j) == std::minmax(a, b)) return k;
     return -1;
   };
   const auto alike = [](double a, double b) { return std::abs(a - b) <= 1e-9 * std::abs(a); };
@@ -192,8 +192,8 @@ std::vector<Settle::Water> Settle::find_waters(const System& sys) {
     const int k = parts.rest.front();
     throw InputError(
         fmt::format("method settle: bond {} ({}-{}) is not part of a three-site water (a triangle by "
-                    "itself, two sides and the masses at their ends equal, none anchored or closed through "
-                    "the box); take newton or "
+                    "itself, two sides and the masses at their ends equal, none anchored, closed through "
+                    "the box or bearing a bond of a virtual site); take newton or "
                     "rattle, or settle with method.solute = \"newton\"",
                     k, sys.bonds[k].i, sys.bonds[k].j));
   }

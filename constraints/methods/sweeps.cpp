@@ -63,15 +63,14 @@ PositionSweeps::PositionSweeps(const System& sys, SweepLimits limits)
 
 SolveStats PositionSweeps::run(const System& sys, double h, State& s, Eigen::VectorXd& g) {
   for (int k = 0; k < sys.all_bonds(); ++k) {
-    const auto& [i, j, d] = sys.bond(k);
-    r_old_.col(k) = sys.along(sys.bond(k), s.x) - h * (s.v.col(j) - s.v.col(i));
+    r_old_.col(k) = sys.along(sys.bond(k), s.x) - h * sys.difference(sys.bond(k), s.v);
   }
   add_constraint_acceleration(sys, r_old_, g, s.x);
 
   const SolveStats stats = repeat(limits_, Failure::kNoConvergence, [&](double tolerance) {
     Residual residual;
     for (int k = 0; k < sys.all_bonds(); ++k) {
-      const auto& [i, j, d] = sys.bond(k);
+      const double d = sys.bond(k).length;
       const Vec3 r = sys.along(sys.bond(k), s.x);
       const double sigma_k = sigma(r, d), error = std::abs(sigma_k) / (d * d);
       const int side = sys.side(k);
@@ -80,19 +79,15 @@ SolveStats PositionSweeps::run(const System& sys, double h, State& s, Eigen::Vec
       if (error <= tolerance) continue;
       const double along = r.dot(r_old_.col(k));
       if (!(along > 1e-6 * d * d)) return turned_too_far(k);
-      double dg = -sigma_k / ((sys.inv_mass[i] + sys.inv_mass[j]) * along);
+      double dg = -sigma_k / (sys.reduced_inv_mass(sys.bond(k)) * along);
       if (side != 0) dg = one_sided(side, g[k] + dg) - g[k];
-      s.x.col(i) -= sys.inv_mass[i] * dg * r_old_.col(k);
-      s.x.col(j) += sys.inv_mass[j] * dg * r_old_.col(k);
+      add_constraint_acceleration(sys, k, dg * r_old_.col(k), s.x);
       g[k] += dg;
     }
     return Sweep{residual};
   });
   for (int k = 0; k < sys.all_bonds(); ++k) {
-    const auto& [i, j, d] = sys.bond(k);
-    const Vec3 dv = g[k] / h * r_old_.col(k);
-    s.v.col(i) -= sys.inv_mass[i] * dv;
-    s.v.col(j) += sys.inv_mass[j] * dv;
+    add_constraint_acceleration(sys, k, g[k] / h * r_old_.col(k), s.v);
   }
   return stats;
 }
@@ -104,8 +99,7 @@ SolveStats VelocitySweeps::run(const System& sys, double h, State& s, const Eige
                                Eigen::VectorXd& g) {
   bond_vectors(sys, s.x, r_);
   for (int k = 0; k < sys.all_bonds(); ++k) {
-    const auto& [i, j, d] = sys.bond(k);
-    inv_a_kk_[k] = 1 / ((sys.inv_mass[i] + sys.inv_mass[j]) * r_.col(k).squaredNorm());
+    inv_a_kk_[k] = 1 / (sys.reduced_inv_mass(sys.bond(k)) * r_.col(k).squaredNorm());
   }
   for (int k = sys.bond_count(); k < sys.all_bonds(); ++k)
     if (held[k] == 0) r_.col(k).setZero();
@@ -114,15 +108,15 @@ SolveStats VelocitySweeps::run(const System& sys, double h, State& s, const Eige
   return repeat(limits_, Failure::kVelocitiesNoConvergence, [&](double tolerance) {
     Residual residual;
     for (int k = 0; k < sys.all_bonds(); ++k) {
-      const auto& [i, j, d] = sys.bond(k);
-      const double rate = r_.col(k).dot(s.v.col(j) - s.v.col(i)), error = std::abs(rate) * h / (d * d);
+      const double d = sys.bond(k).length;
+      const double rate = r_.col(k).dot(sys.difference(sys.bond(k), s.v)),
+                   error = std::abs(rate) * h / (d * d);
       if (sys.side(k) * rate > 0 && g[k] == 0) continue;  // parting
       residual.see(error, k);
       if (error <= tolerance) continue;
       double dg = -rate * inv_a_kk_[k];
       if (sys.side(k) != 0) dg = one_sided(sys.side(k), g[k] + dg) - g[k];
-      s.v.col(i) -= sys.inv_mass[i] * dg * r_.col(k);
-      s.v.col(j) += sys.inv_mass[j] * dg * r_.col(k);
+      add_constraint_acceleration(sys, k, dg * r_.col(k), s.v);
       g[k] += dg;
     }
     return Sweep{residual};

@@ -95,20 +95,28 @@ void Conformations::plan_torsions() {
   add(molecule_.terms.harmonic_torsions, &Torsion::harmonic);
 }
 
+// The atom by which ties to an atom are grown: itself, or the one that a site is nearest to.
+int Conformations::grown_for(int atom) const {
+  const std::vector<Weighted> atoms = weighted_atoms_of(molecule_.system.sites, atom);
+  if (atoms.empty())
+    throw InputError(fmt::format(
+        "atom {} is tied, and is a virtual site out of the plane of its parents, from which no shape can be "
+        "grown; give coordinates_nm or file",
+        atom));
+  return std::ranges::max_element(atoms, {}, &Weighted::weight)->atom;
+}
+
 // Orders atoms breadth first from the first that is no virtual site; sites come last.
 void Conformations::plan_growth() {
   const System& sys = molecule_.system;
   std::vector<std::vector<std::pair<int, double>>> next(molecule_.atoms());
   for (const auto& [i, j, length, k, slack] : list_ties(molecule_)) {
-    if (sys.is_site(i) || sys.is_site(j))
-      throw InputError(fmt::format(
-          "atoms {} and {} are tied, and one is a virtual site, from which no shape can be grown; give "
-          "coordinates_nm or file",
-          i, j));
+    closes_ = closes_ || sys.is_site(i) || sys.is_site(j);
+    const int from = grown_for(i), to = grown_for(j);
     const double grown =
         length == 0 && k > 0 ? std::sqrt(3 * kT_ / k) : length;  // √⟨r²⟩ of a spring of length 0
-    next[i].emplace_back(j, grown);
-    next[j].emplace_back(i, grown);
+    next[from].emplace_back(to, grown);
+    next[to].emplace_back(from, grown);
   }
   std::vector<int> rank(molecule_.atoms(), -1);
   int root = 0;
@@ -129,7 +137,7 @@ void Conformations::plan_growth() {
     rank[site.atom] = static_cast<int>(order_.size());
     order_.push_back({.atom = site.atom, .parent = root, .is_site = true});
   }
-  closes_ = std::ssize(list_ties(molecule_)) > molecule_.atoms() - 1 - std::ssize(sys.sites);
+  closes_ = closes_ || std::ssize(list_ties(molecule_)) > molecule_.atoms() - 1 - std::ssize(sys.sites);
   for (const auto& [i, j, k, angle] : list_bends(molecule_)) {
     const int last = rank[i] > rank[k] ? i : k;
     Growth& growth = order_[rank[last]];
@@ -155,18 +163,30 @@ void Conformations::plan_growth() {
   }
 }
 
+Conformations::Distance Conformations::distance(int i, int j, double length, bool tie) const {
+  Distance distance{weighted_atoms_of(molecule_.system.sites, j), length, tie};
+  for (const auto& [atom, weight] : weighted_atoms_of(molecule_.system.sites, i)) {
+    const auto known = std::ranges::find(distance.atoms, atom, &Weighted::atom);
+    if (known == distance.atoms.end())
+      distance.atoms.push_back({atom, -weight});
+    else
+      known->weight -= weight;
+  }
+  return distance;
+}
+
 void Conformations::plan_distances() {
   std::map<std::pair<int, int>, double> length;
   for (const Tie& tie : list_ties(molecule_)) {
     if (tie.length == 0) continue;
     length[std::minmax(tie.i, tie.j)] = tie.length;
-    distances_.push_back({tie.i, tie.j, tie.length, true});
+    distances_.push_back(distance(tie.i, tie.j, tie.length, true));
   }
   for (const auto& [i, j, k, angle] : list_bends(molecule_)) {
     const auto a = length.find(std::minmax(i, j)), b = length.find(std::minmax(j, k));
     if (a == length.end() || b == length.end() || length.contains(std::minmax(i, k))) continue;
     const double p = a->second, q = b->second;
-    distances_.push_back({i, k, std::sqrt(p * p + q * q - 2 * p * q * std::cos(angle)), false});
+    distances_.push_back(distance(i, k, std::sqrt(p * p + q * q - 2 * p * q * std::cos(angle)), false));
   }
 }
 
@@ -179,8 +199,9 @@ std::optional<Vectors> Conformations::place_copy(const Vec3& at, double scale, O
   if (!closes_) return grow(at, scale, space, random);
   OccupiedSpace alone({}, widest());
   auto shape = grow(at, 0, alone, random);
-  if (!shape || !close_rings(*shape) || !all_satisfied(molecule_.system.one_sided, *shape)) return {};
+  if (!shape || !close_rings(*shape)) return {};
   place_sites(molecule_.system.sites, *shape);
+  if (!all_satisfied(molecule_.system.one_sided, *shape)) return {};
   return place_rigid(std::move(*shape), scale, space);
 }
 
@@ -256,14 +277,15 @@ bool Conformations::close_rings(Vectors& x) const {
     worst = 1;
     for (int sweep = 0; sweep < kSweeps && worst > kClosed; ++sweep) {
       worst = 0;
-      for (const auto& [i, j, length, tie] : distances_) {
+      for (const auto& [atoms, length, tie] : distances_) {
         if (ties_alone && !tie) continue;
-        const Vec3 d = x.col(j) - x.col(i);
+        Vec3 d = Vec3::Zero();
+        double squares = 0;
+        for (const auto& [a, c] : atoms) d += c * x.col(a), squares += c * c;
         const double r = d.norm(), off = r - length;
         worst = std::max(worst, std::abs(off) / length);
         if (r == 0) return false;
-        x.col(i) += 0.5 * off / r * d;
-        x.col(j) -= 0.5 * off / r * d;
+        for (const auto& [a, c] : atoms) x.col(a) -= c / squares * off / r * d;
       }
     }
   }

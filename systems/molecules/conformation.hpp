@@ -14,8 +14,8 @@ namespace taut {
 // molecules are grown atom by atom along their ties, at the length of the tie and at its angle if it has one.
 // Among several directions with room that struts and ropes allow, one is chosen by the Boltzmann weight of
 // the torsions that it completes: a step of the configurational-bias method (Siepmann and Frenkel 1992,
-// doi:10.1080/00268979200100061). If ties close rings, or two angles meet, sweeps over all distances then
-// restore the lengths, as in SHAKE.
+// doi:10.1080/00268979200100061). A tie to a virtual site is grown as one to the atom of its largest weight. If there
+// are such, ties close rings, or two angles meet, sweeps over all distances then restore the lengths, as in SHAKE.
 class Conformations {
  public:
   // kT [kJ/mol] is for torsions. Throws InputError if no shape is found that satisfies all ties.
@@ -47,11 +47,13 @@ class Conformations {
     HarmonicTorsion harmonic{};
   };
   struct Distance {
-    int i, j;
+    std::vector<Weighted> atoms;  // it is |Σ c x|
     double length;
     bool tie;  // whether it is a tie, not the ends of an angle
   };
 
+  Distance distance(int i, int j, double length, bool tie) const;
+  int grown_for(int atom) const;
   void plan_torsions();
   void plan_growth();
   void plan_distances();

@@ -71,12 +71,18 @@ System read_system(RowReader& rows, Eigen::VectorXd mass, VirtualSites sites) {
     for (const Row& row : rows.pairs(key, 1, meaning)) {
       const OneSidedBond bond{{row.atom[0], row.atom[1], row.number[0]}, side};
       if (!(bond.length > 0)) rows.fail(key, row, "expected a length above 0");
+      const auto is_anchor = [&](int a) {
+        return mass[a] == 0 && std::ranges::find(sites, a, &VirtualSite::atom) == sites.end();
+      };
+      if (is_anchor(bond.i) && is_anchor(bond.j)) rows.fail(key, row, "both its atoms are anchored (mass 0)");
       for (const VirtualSite& site : sites)
-        if (site.atom == bond.i || site.atom == bond.j)
+        if (site.kind != VirtualSite::Kind::kAverage && (site.atom == bond.i || site.atom == bond.j))
           rows.fail(
               key, row,
-              fmt::format("atom {} is a virtual site, which cannot be held; tie its parents", site.atom));
-      if (mass[bond.i] == 0 && mass[bond.j] == 0) rows.fail(key, row, "both its atoms are anchored (mass 0)");
+              fmt::format(
+                  "atom {} is a virtual site out of the plane of its parents (virtual_sites3out), where "
+                  "nothing can be tied; tie an atom, or a site of virtual_sites2 or virtual_sites3",
+                  site.atom));
       const auto [other, fresh] = tied.try_emplace(std::minmax(row.atom[0], row.atom[1]), bond);
       if (!fresh && other->second.side == Side::kBoth)
         rows.fail(key, row, "its atoms are tied by a rigid bond already");

@@ -84,11 +84,12 @@ void refuse_one_sided_bonds(const System& sys) {
 void refuse_bonds_to_anchors(const System& sys) {
   for (int k = 0; k < sys.bond_count(); ++k) {
     const auto& [i, j, length] = sys.bonds[k];
-    if (sys.mass[i] == 0 || sys.mass[j] == 0)
-      throw InputError(fmt::format(
-          "OpenMM cannot express it: rigid bond {} ({}-{}) holds atom {}, which is an anchor, and "
-          "OpenMM takes no constraint on an atom of mass 0",
-          k, i, j, sys.mass[i] == 0 ? i : j));
+    const int without_mass = sys.mass[i] == 0 ? i : j;
+    if (sys.mass[without_mass] == 0)
+      throw InputError(
+          fmt::format("OpenMM cannot express it: rigid bond {} ({}-{}) holds atom {}, which is {}, and "
+                      "OpenMM takes no constraint on an atom of mass 0",
+                      k, i, j, without_mass, sys.is_site(without_mass) ? "a virtual site" : "an anchor"));
   }
 }
 
