@@ -7,8 +7,10 @@
 #include <map>
 
 #include "base/statistics.hpp"
+#include "constraints/bond_algebra.hpp"
 #include "constraints/methods/baumgarte.hpp"
 #include "constraints/methods/lincs.hpp"
+#include "constraints/methods/settle.hpp"
 #include "constraints/metric_potential.hpp"
 #include "constraints/projection.hpp"
 #include "constraints/redundancy.hpp"
@@ -18,24 +20,25 @@
 #include "md/observables.hpp"
 #include "pressure_of.hpp"
 #include "scene_text.hpp"
+#include "systems/molecules/whole_molecules.hpp"
 #include "systems/openmm/export.hpp"
+#include "systems/openmm/import.hpp"
 
 namespace taut::linked_bodies_tests {
 namespace {
 
 using testing::HasSubstr;
-using tests::NoForce;
+using tests::NoForce, tests::Start;
 
 // Two rods, 0-1 and 2-3, a plate 4-5-6 and a bead 12. The rods are linked by a site beyond the end of the first, 7, and one
 // within the second, 8; the plate's site 10 to one beyond the end of the second, 11, whose parent 9 is a site, and to
 // the bead.
-const VirtualSites kSites = {VirtualSite::average(7, {{0, -0.2}, {1, 1.2}}),
-                             VirtualSite::average(8, {{2, 0.7}, {3, 0.3}}),
-                             VirtualSite::average(9, {{2, -0.3}, {3, 1.3}}),
-                             VirtualSite::average(10, {{4, 0.5}, {5, 0.3}, {6, 0.2}}),
-                             VirtualSite::average(11, {{9, 0.5}, {3, 0.5}})};
+const VirtualSites kSites = {
+    VirtualSite::average(7, {{0, -0.2}, {1, 1.2}}), VirtualSite::average(8, {{2, 0.7}, {3, 0.3}}),
+    VirtualSite::average(9, {{2, -0.3}, {3, 1.3}}), VirtualSite::average(10, {{4, 0.5}, {5, 0.3}, {6, 0.2}}),
+    VirtualSite::average(11, {{9, 0.5}, {3, 0.5}})};
 constexpr int kAtoms = 13;
-const std::vector<std::array<int, 2>> kBonds = {{0, 1}, {2, 3},  {4, 5},   {5, 6},
+const std::vector<std::array<int, 2>> kBonds = {{0, 1}, {2, 3}, {4, 5},   {5, 6},
                                                 {6, 4}, {7, 8}, {11, 10}, {10, 12}};
 
 // The same bonds as sums over atoms with mass, r = Σ c x, worked out by hand.
@@ -67,7 +70,9 @@ struct Exact {
     for (std::size_t k = 0; k < kRows.size(); ++k)
       for (const auto& [a, weight] : kRows[k]) c(static_cast<Eigen::Index>(k), a) = weight;
   }
-  Vectors forces(const Vectors& at) const { return -spring * at * (inv_mass.array() > 0).cast<double>().matrix().asDiagonal(); }
+  Vectors forces(const Vectors& at) const {
+    return -spring * at * (inv_mass.array() > 0).cast<double>().matrix().asDiagonal();
+  }
   Eigen::MatrixXd matrix(const Vectors& at) const {
     const Vectors r = at * c.transpose();
     return (r.transpose() * r).cwiseProduct(c * inv_mass.asDiagonal() * c.transpose());
@@ -96,7 +101,8 @@ struct Spring : ForceLaw {
   explicit Spring(double its_k) : k(its_k) {}
   double k;
   void evaluate(const System& sys, State& s) override {
-    for (int a = 0; a < sys.atoms(); ++a) s.f.col(a) = sys.mass[a] > 0 ? Vec3(-k * s.x.col(a)) : Vec3(Vec3::Zero());
+    for (int a = 0; a < sys.atoms(); ++a)
+      s.f.col(a) = sys.mass[a] > 0 ? Vec3(-k * s.x.col(a)) : Vec3(Vec3::Zero());
   }
 };
 
@@ -164,17 +170,18 @@ class LinkedBodies : public ::testing::TestWithParam<Named> {
     return s;
   }
 };
-INSTANTIATE_TEST_SUITE_P(
-    By, LinkedBodies,
-    ::testing::Values(Named{"newton", default_options("newton")}, Named{"mshake", default_options("mshake")},
-                      Named{"rattle", default_options("rattle")}, Named{"shake", default_options("shake")},
-                      Named{"feedforward", default_options("feedforward"), 1e-5},
-                      Named{"baumgarte", default_options("baumgarte"), 1e-5},
-                      Named{"centred", Baumgarte::Options{.damping = "centred"}, 1e-3},
-                      Named{"swept", Baumgarte::Options{.sweeps = 100}, 1e-5},
-                      Named{"lincs", Lincs::Options{.order = 60, .iterations = 4}, 1e-5},
-                      Named{"settle", default_options("settle")}),
-    [](const auto& test) { return test.param.name; });
+INSTANTIATE_TEST_SUITE_P(By, LinkedBodies,
+                         ::testing::Values(Named{"newton", default_options("newton")},
+                                           Named{"mshake", default_options("mshake")},
+                                           Named{"rattle", default_options("rattle")},
+                                           Named{"shake", default_options("shake")},
+                                           Named{"feedforward", default_options("feedforward"), 1e-5},
+                                           Named{"baumgarte", default_options("baumgarte"), 1e-5},
+                                           Named{"centred", Baumgarte::Options{.damping = "centred"}, 1e-3},
+                                           Named{"swept", Baumgarte::Options{.sweeps = 100}, 1e-5},
+                                           Named{"lincs", Lincs::Options{.order = 60, .iterations = 4}, 1e-5},
+                                           Named{"settle", Settle::Options{.solute = "newton"}}),
+                         [](const auto& test) { return test.param.name; });
 
 // Free, and on springs to the origin.
 TEST_P(LinkedBodies, MoveAsTheirEquationsOfMotionSayToSecondOrder) {
@@ -190,9 +197,337 @@ TEST_P(LinkedBodies, MoveAsTheirEquationsOfMotionSayToSecondOrder) {
 }
 
 TEST_P(LinkedBodies, AreHeldAlikeByAllMethods) {
-  const State newton = after(default_options("newton"), 1, 0.01, 2), by = after(GetParam().options, 1, 0.01, 2);
+  const State newton = after(default_options("newton"), 1, 0.01, 2),
+              by = after(GetParam().options, 1, 0.01, 2);
   EXPECT_LT(off(by.x, newton.x), GetParam().spread);
   EXPECT_LT(bond_errors(Linked().system, by.x).max, GetParam().spread);
+}
+
+TEST(BondsOfSites, HaveTheMultipliersThePressureAndTheMomentaOfTheExactMotion) {
+  const Linked linked;
+  const Exact& exact = linked.exact;
+  State s = linked.state;
+  const Eigen::VectorXd lambda = Projector(linked.system).multipliers(linked.system, s);
+  EXPECT_LT((lambda - exact.multipliers(s.x, s.v)).norm(), 1e-12 * lambda.norm());
+  s.box.edge = {7, 8, 9};
+  ForceField forces(linked.system, s.box, {});
+  const Vectors ma = exact.accelerations(s.x, s.v) * masses().asDiagonal();
+  const Eigen::Matrix3d right = s.v * masses().asDiagonal() * s.v.transpose() + s.x * ma.transpose();
+  const Eigen::Matrix3d found = tests::pressure_of(linked.system, forces, s) * (7 * 8 * 9) / kBarPerUnit;
+  EXPECT_LT((found - right).norm(), 1e-12 * right.norm());
+
+  const auto spin = [&](const State& at) {
+    Vec3 sum = Vec3::Zero();
+    for (int a = 0; a < kAtoms; ++a) sum += masses()[a] * at.x.col(a).cross(at.v.col(a));
+    return sum;
+  };
+  NoForce none;
+  const auto method = make_method(linked.system, default_options("newton"), 0.01);
+  const Dynamics dynamics{linked.system, none, *method};
+  State now = linked.state;
+  initialize(dynamics, 0.01, now);
+  double least = HUGE_VAL, most = 0;
+  for (int n = 0; n < 5000; ++n) {
+    ASSERT_TRUE(step(dynamics, 0.01, now).held());
+    const double energy = kinetic_energy(linked.system, now.v);
+    least = std::min(least, energy), most = std::max(most, energy);
+  }
+  EXPECT_LT((momentum(linked.system, now.v) - momentum(linked.system, linked.state.v)).norm(), 1e-10);
+  EXPECT_LT((spin(now) - spin(linked.state)).norm(), 1e-9);
+  const double start = kinetic_energy(linked.system, linked.state.v);
+  EXPECT_LT(most - least, 2e-3 * start);
+  EXPECT_LT(std::abs(kinetic_energy(linked.system, now.v) - start), 1e-3 * start);
+}
+
+TEST(BondsOfSites, WeighShapesByTheDeterminantOfTheirMatrix) {
+  const Linked linked;
+  const auto plainly = [&](const Vectors& x) { return 0.5 * std::log(linked.exact.matrix(x).determinant()); };
+  MetricPotential metric(linked.system);
+  Vectors f = Vectors::Zero(3, kAtoms), unused = f;
+  EXPECT_NEAR(metric.add_forces(linked.state.x, 2.5, f), 2.5 * plainly(linked.state.x), 1e-11);
+  for (int a = 0; a < kAtoms; ++a)
+    for (int d = 0; d < 3; ++d) {
+      Vectors up = linked.state.x, down = up;
+      up(d, a) += 1e-5, down(d, a) -= 1e-5;
+      EXPECT_NEAR(f(d, a), 2.5 * (plainly(down) - plainly(up)) / 2e-5, 1e-8);
+    }
+}
+
+// Bonds that follow from others are those of a site to its own body, and a fourth between two plates that three hold.
+TEST(BondsOfSites, CountByTheirRank) {
+  const Linked linked;
+  const Vectors& x = linked.state.x;
+  EXPECT_TRUE(find_redundancy(linked.system, x).none());
+  const auto with = [&](const std::vector<std::array<int, 2>>& more) {
+    std::vector<RigidBond> bonds = linked.system.bonds;
+    for (const auto& [i, j] : more) bonds.push_back({i, j, (x.col(j) - x.col(i)).norm()});
+    return make_system(masses(), bonds, kSites);
+  };
+  for (const auto& [more, too_many] :
+       std::vector<std::pair<std::vector<std::array<int, 2>>, int>>{{{{7, 0}}, 1},
+                                                                    {{{10, 4}, {10, 5}}, 2},
+                                                                    {{{8, 11}, {8, 3}}, 2},
+                                                                    {{{7, 2}}, 0},
+                                                                    {{{0, 11}, {4, 12}}, 0}}) {
+    const System sys = with(more);
+    const Redundancy found = find_redundancy(sys, x);
+    EXPECT_EQ(std::ssize(found.redundant), too_many) << more[0][0] << '-' << more[0][1];
+    EXPECT_TRUE(found.degenerate.empty());
+    EXPECT_EQ(found.rank(sys), sys.bond_count() - too_many);
+  }
+  // the force is what it was, shared by all
+  const System sys = with({{7, 0}});
+  const Redundancy found = find_redundancy(sys, x);
+  const System kept = without(sys, found.redundant);
+  State s = linked.state;
+  const Eigen::VectorXd alone = Projector(kept).multipliers(kept, s);
+  const Eigen::VectorXd shared = least_norm_multipliers(sys, x, found.redundant, alone);
+  const auto force = [&](const System& of, const Eigen::VectorXd& lambda) {
+    Vectors r(3, of.bond_count()), f = Vectors::Zero(3, kAtoms);
+    bond_vectors(of, x, r);
+    add_constraint_force(of, r, lambda, f);
+    return f;
+  };
+  EXPECT_LT((force(sys, shared) - force(kept, alone)).norm(), 1e-12 * alone.norm());
+  EXPECT_LT(shared.norm(), 0.99 * alone.norm());
+}
+
+// A rod that does not turn, held at its centre of mass, moves as a ball of its mass.
+TEST(BondsOfSites, ARodHeldAtItsCentreMovesAsABall) {
+  struct Place {
+    Start ball, rod;
+  };
+  const auto held = [](std::optional<Side> side) {
+    Start ball, rod;
+    const VirtualSites centre = {VirtualSite::average(3, {{1, 0.25}, {2, 0.75}})};
+    const RigidBond to_ball{0, 1, 1}, to_rod{0, 3, 1}, along{1, 2, 0.8};
+    ball.system = side ? make_system(Eigen::Vector2d(0, 4), {}, {}, {{to_ball, *side}})
+                       : make_system(Eigen::Vector2d(0, 4), {to_ball});
+    rod.system = side ? make_system(Eigen::Vector4d(0, 1, 3, 0), {along}, centre, {{to_rod, *side}})
+                      : make_system(Eigen::Vector4d(0, 1, 3, 0), {along, to_rod}, centre);
+    const Vec3 at = side ? Vec3(0.3, -0.2, 0) : Vec3(0.6, -0.8, 0),
+               v = side ? Vec3(2, 3, 0.5) : Vec3(0.8, 0.6, 1);
+    ball.state.x = ball.state.v = ball.state.f = Vectors::Zero(3, 2);
+    rod.state.x = rod.state.v = rod.state.f = Vectors::Zero(3, 4);
+    ball.state.x.col(1) = at;
+    ball.state.v.col(1) = rod.state.v.col(1) = rod.state.v.col(2) = v;
+    rod.state.x.col(1) = at + Vec3(0, 0, 0.6), rod.state.x.col(2) = at - Vec3(0, 0, 0.2);
+    return Place{ball, rod};
+  };
+  const double h = 0.002;
+  for (const auto side : {std::optional<Side>{}, std::optional{Side::kAtMost}})
+    for (const std::string name : {"rattle", "shake", "baumgarte", "newton", "feedforward", "mshake"}) {
+      if (side && !method_named(name).one_sided) continue;
+      auto [ball, rod] = held(side);
+      tests::UniformForce gravity(Vec3(0, -9.81, 0));
+      const auto of_ball = make_method(ball.system, default_options(name), h),
+                 of_rod = make_method(rod.system, default_options(name), h);
+      initialize({ball.system, gravity, *of_ball}, h, ball.state);
+      initialize({rod.system, gravity, *of_rod}, h, rod.state);
+      for (int n = 0; n < 500; ++n) {
+        ASSERT_TRUE(step({ball.system, gravity, *of_ball}, h, ball.state).held()) << name;
+        ASSERT_TRUE(step({rod.system, gravity, *of_rod}, h, rod.state).held()) << name;
+      }
+      const Vec3 centre = 0.25 * rod.state.x.col(1) + 0.75 * rod.state.x.col(2);
+      EXPECT_LT((centre - ball.state.x.col(1)).norm(), 1e-6) << name;
+      EXPECT_NEAR(of_rod->lambda().tail(1)[0], of_ball->lambda()[0],
+                  2e-5 * (1 + std::abs(of_ball->lambda()[0])))
+          << name;
+      EXPECT_GT((ball.state.x.col(1) - Vec3(0.3, -0.2, 0)).norm(), 0.3);
+    }
+}
+
+// A bead on a bond of the centre of a water, which SETTLE then leaves to newton.
+TEST(BondsOfSites, OfAWaterAreLeftToAnotherMethodBySettle) {
+  Start start = tests::waters(3, 12, 300);
+  const int n = 11;
+  Eigen::VectorXd mass = Eigen::VectorXd::Zero(n);
+  mass.head(9) = start.system.mass;
+  mass[10] = 12;
+  const VirtualSites site = {VirtualSite::average(9, {{3, 0.8}, {4, 0.1}, {5, 0.1}})};
+  State s = start.state;
+  for (Vectors* of : {&s.x, &s.v, &s.f}) {
+    of->conservativeResize(3, n);
+    of->rightCols(2).setZero();
+  }
+  place_sites(site, s.x);
+  s.x.col(10) = s.x.col(9) + Vec3(0.1, 0.1, 0.05);
+  std::vector<RigidBond> bonds = start.system.bonds;
+  bonds.push_back({9, 10, 0.15});
+  const System sys = make_system(mass, bonds, site);
+  const auto parts = Settle::parts_of(sys);
+  EXPECT_EQ(parts.rest, (std::vector{3, 4, 5, 9}));
+  EXPECT_THAT(error_message([&] { make_method(sys, Settle::Options{.solute = "none"}, 0.001); }),
+              HasSubstr("bond 3 (3-4) is not part of a three-site water"));
+  Vectors by_newton;
+  NoForce none;
+  for (const MethodOptions& options :
+       {MethodOptions(default_options("newton")), MethodOptions(Settle::Options{.solute = "newton"})}) {
+    State now = s;
+    const auto method = make_method(sys, options, 0.001);
+    initialize({sys, none, *method}, 0.001, now);
+    for (int k = 0; k < 200; ++k) ASSERT_TRUE(step({sys, none, *method}, 0.001, now).held());
+    if (by_newton.cols() == 0) by_newton = now.x;
+    EXPECT_LT((now.x - by_newton).leftCols(9).cwiseAbs().maxCoeff(), 1e-8);
+  }
+}
+
+// Rods zigzag around the box, linked by bonds along it. Pulled by ±F across it at the links they bear F/2 tan θ along it,
+// whatever images they are given as.
+TEST(BondsOfSites, RodsAroundTheBoxPullAtIt) {
+  const int rods = 4;
+  const double length = 0.5, link = 0.1, theta = 0.4, force = 30;
+  const double step = length * std::cos(theta) + link, up = length * std::sin(theta);
+  Scene scene;
+  State& s = scene.start;
+  s.box.edge = {rods * step, 1.5, 1.4};
+  s.x = Vectors::Zero(3, 4 * rods);
+  s.v = s.f = s.x;
+  Eigen::VectorXd mass = Eigen::VectorXd::Zero(4 * rods);
+  std::vector<RigidBond> bonds;
+  VirtualSites sites;
+  for (int n = 0; n < rods; ++n) {
+    const int a = 4 * n, next = 4 * ((n + 1) % rods);
+    const double sign = n % 2 == 0 ? 1 : -1;
+    const Vec3 from(step * n, sign > 0 ? 0.3 : 0.3 + up, 0.4), along(length * std::cos(theta), sign * up, 0);
+    s.x.col(a) = from + 0.25 * along, s.x.col(a + 1) = from + 0.75 * along;
+    mass.segment<2>(a).setConstant(10);
+    sites.push_back(VirtualSite::average(a + 2, {{a, 1.5}, {a + 1, -0.5}}));
+    sites.push_back(VirtualSite::average(a + 3, {{a, -0.5}, {a + 1, 1.5}}));
+    bonds.push_back({a, a + 1, 0.5 * length});
+    bonds.push_back({a + 3, next + 2, link});
+    scene.terms.pulls.push_back({a + 2, Vec3(0, -sign * force / 2, 0)});
+    scene.terms.pulls.push_back({a + 3, Vec3(0, sign * force / 2, 0)});
+  }
+  scene.system = make_system(mass, bonds, sites);
+  const double right = -force / (2 * std::tan(theta)) * s.box.edge.x();
+  for (const Vec3& cell : {Vec3(0, 0, 0), Vec3(-1, 2, 0), Vec3(1, 0, -3)}) {
+    State moved = s;
+    moved.x.middleCols(4, 2).colwise() += s.box.lattice_vector(cell);
+    place_sites(sites, moved.x);
+    make_whole(tethers(scene.system, scene.terms), moved, scene.system);
+    EXPECT_TRUE(scene.system.images.periodic());
+    ForceField forces(scene.system, s.box, scene.terms);
+    const Eigen::Matrix3d P = tests::pressure_of(scene.system, forces, moved);
+    EXPECT_NEAR(P(0, 0) * s.box.volume() / kBarPerUnit, right, 1e-9 * std::abs(right));
+    EXPECT_LT(bond_errors(scene.system, moved.x).max, 1e-12);
+  }
+}
+
+// Chains of rods, drawn.
+const SceneText kChains{R"([build]
+box_nm = 6
+[molecule.rods]
+atoms = [{name = "A", mass_u = 20}, {name = "B", mass_u = 10}, {name = "S", mass_u = 0}, {name = "T", mass_u = 0}]
+units = 3
+virtual_sites2 = [[2, 0, 1, -0.25], [3, 0, 1, 1.25]]
+bonds = [[0, 1, 0.2], [3, 6, 0.15]]
+[[place]]
+molecule = "rods"
+count = 100
+[run]
+dt_fs = 10
+steps = 2000
+log_every = 5
+temperature_k = 300
+thermostat = "langevin"
+friction_per_ps = 1
+)"};
+
+// 6·3 − 5 degrees of freedom each, ½kT of each, and the pressure of a gas of molecules.
+TEST(ChainsOfRods, AreDrawnAndHaveTheTemperatureAndThePressureOfAGas) {
+  for (const char* method : {"newton", "feedforward"}) {
+    const Scene scene = read(kChains.text, {fmt::format("method.name={}", method)});
+    EXPECT_LT(bond_errors(scene.system, scene.start.x).max, 1e-9);
+    Simulation simulation(scene);
+    EXPECT_EQ(simulation.dof().total(), 100 * (6 * 3 - 5));
+    const Summary end = simulation.run({});
+    EXPECT_NEAR(end.temperature, 300, 2.5);
+    const double right = 100 * kBoltzmann * 300 / 216 * kBarPerUnit;
+    EXPECT_NEAR(end.pressure->value, right, 4 * end.pressure->error + 0.3) << right;
+    EXPECT_LT(end.pressure->error, 0.05 * right);
+    EXPECT_LT(std::abs(end.constraint_drift.value), 0.1);
+    EXPECT_THAT(end.doubts, testing::IsEmpty());
+  }
+}
+
+TEST(ChainsOfRods, GoOnFromACheckpointToTheLastBit) {
+  for (const char* method : {"newton", "feedforward", "rattle"})
+    expect_to_go_on_from(
+        read(kChains.text, {"place.0.count=5", "run.steps=200", fmt::format("method.name={}", method)}), 110);
+}
+
+// A ring of rods, and one to which a rope and a spring are tied.
+TEST(ChainsOfRods, AreDrawnWithRingsRopesAndSprings) {
+  for (const auto& [old, changed] :
+       std::vector<std::array<std::string, 2>>{{"units = 3", "units = 5\nring = true"},
+                                               {"units = 3", "units = 3\nat_most = [[2, -1, 0.6]]"},
+                                               {"units = 3", "units = 3\nsprings = [[3, 2, 0.25, 100]]"}}) {
+    const Scene scene = read(kChains.with(old, changed).text, {"place.0.count=5"});
+    EXPECT_LT(bond_errors(scene.system, scene.start.x).max, 1e-6) << changed;
+  }
+}
+
+// One end of a rod is moved; bonds of its sites pull at it, and the work done is the energy it brings.
+TEST(BondsOfSites, PullAtAnAnchorThatMoves) {
+  const std::string text = R"([molecule.crank]
+atoms = [{name = "O", mass_u = 0}, {name = "A", mass_u = 4}, {name = "S", mass_u = 0}, {name = "B", mass_u = 3}]
+virtual_sites2 = [[2, 0, 1, 0.5]]
+bonds = [[0, 1, 1], [2, 3, 0.5]]
+coordinates_nm = [[0, 0, 0], [1, 0, 0], [0.5, 0, 0], [0.5, 0.3, 0.4]]
+[[place]]
+molecule = "crank"
+centres_nm = [[0.5, 0.075, 0.1]]
+[[motion]]
+atoms = [0]
+shake_nm = [0, 0.1, 0.05]
+period_ps = 1.3
+[run]
+dt_fs = 1
+steps = 3000
+log_every = 100
+)";
+  for (const char* method : {"newton", "rattle", "feedforward", "mshake"}) {
+    Simulation simulation(read(text, {fmt::format("method.name={}", method)}));
+    double first = 0, most = 0, swing = 0;
+    simulation.run([&](const Record& r) {
+      if (r.step == 0) first = r.but_for_heat();
+      most = std::max(most, std::abs(r.but_for_heat() - first));
+      swing = std::max(swing, std::abs(r.total()));
+    });
+    EXPECT_LT(most, 1e-3 * swing) << method;
+    EXPECT_GT(swing, 0.1);
+  }
+}
+
+TEST(BondsOfSites, ThatCannotBeAreRefusedByName) {
+  const auto refused = [](const Eigen::VectorXd& mass, const RigidBond& bond, const VirtualSites& sites) {
+    return error_message([&] { make_system(mass, {bond}, sites); });
+  };
+  Eigen::VectorXd mass(6);
+  mass << 1, 1, 1, 0, 0, 1;
+  const VirtualSite out = VirtualSite::out_of_plane(3, 0, 1, 2, {0.5, 0.25, 0.75}),
+                    on_it = VirtualSite::average(4, {{3, 0.5}, {0, 0.5}}),
+                    middle = VirtualSite::average(3, {{0, 0.5}, {1, 0.5}});
+  EXPECT_THAT(refused(mass, {3, 5, 1}, {out}),
+              HasSubstr("bond 0 (3-5): atom 3 is a virtual site out of the plane"));
+  EXPECT_THAT(refused(mass, {5, 4, 1}, {out, on_it}), HasSubstr("atom 4 is a virtual site out of the plane"));
+  EXPECT_THAT(refused(mass, {3, 4, 1}, {middle, VirtualSite::average(4, {{1, 0.5}, {0, 0.5}})}),
+              HasSubstr("bond 0 (3-4): the weights of its virtual sites put both its ends at one place"));
+  Eigen::VectorXd anchored = mass;
+  anchored[0] = anchored[1] = anchored[2] = 0;
+  EXPECT_THAT(refused(anchored, {3, 2, 1}, {middle}), HasSubstr("both ends are anchored"));
+
+  const char* three = "virtual_sites2 = [[2, 0, 1, -0.25], [3, 0, 1, 1.25]]";
+  expect_said(kChains,
+              {{three, std::string(three) + "\nat_least = [[2, 3, 0.1], [3, 6, 0.1]]",
+                "tied by a rigid bond already"},
+               {"[3, 6, 0.15]]", "[3, 6, 0.15], [2, 2, 0.1]]", "names the same atom twice"},
+               {three, "virtual_sites2 = [[2, 0, 1, -0.25]]\nvirtual_sites3out = [[3, 0, 1, 2, 0.1, 0.1, 1]]",
+                "bonds[1]: atom 3 is a virtual site out of the plane of its parents (virtual_sites3out)"}});
+  const Scene chains = read(kChains.text, {"place.0.count=2"});
+  EXPECT_THAT(error_message([&] { openmm_system_xml(openmm_input(chains)); }),
+              HasSubstr("holds atom 3, which is a virtual site, and OpenMM takes no constraint"));
 }
 
 }  // namespace

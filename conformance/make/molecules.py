@@ -194,6 +194,18 @@ def four_site_water_in_a_field() -> Motion:
                 virtual_sites=[{"atom": 3, "of": [0, 1, 2], "weights": [1 - 2 * w, w, w]}])
 
 
+def rods_linked_by_sites() -> Motion:
+    """A site beyond the end of one rod, another within the second."""
+    x = np.array([[0, 0, 0], [0.3, 0.02, 0], [0.5, 0.15, 0.1], [0.62, 0.4, -0.05], [0, 0, 0], [0, 0, 0]])
+    sites = [{"atom": 4, "of": [0, 1], "weights": [-0.2, 1.2]}, {"atom": 5, "of": [2, 3], "weights": [0.7, 0.3]}]
+    for site in sites:
+        x[site["atom"]] = np.array(site["weights"]) @ x[site["of"]]
+    made = free([20, 12, 16, 30, 0, 0], [(0, 1), (2, 3), (4, 5)], x,
+                "Two rods fly and tumble, linked by a rigid bond between virtual sites of theirs.", 24,
+                virtual_sites=sites)
+    return {**made, "tensions": True}
+
+
 def ring_through_the_box() -> Motion:
     x = [[0, 0, 0], [0.33, 0.2, 0], [0.67, -0.05, 0.1]]
     made = free([10, 11, 12], row(2), x, "Three atoms on bonds that close through the box: a loop with no end.", 22,
@@ -237,6 +249,6 @@ MOLECULES = [
     triatomic_near_180, triatomic_through_180, unequal_triangle, tumbling_water, one_step_of_water, held_water, star,
     ring, tetrahedral_cage, cube_of_edges, cholesterol_diamond, redundant_methane, rigid_angles_alkane,
     free_chain_of_20, chain_with_side_atoms, trimer_with_an_angle, butane, spring_between_rotors, two_waters,
-    pair_across_a_triclinic_box, rigid_benzene_with_sites, four_site_water_in_a_field, ring_through_the_box,
-    net_through_the_box
+    pair_across_a_triclinic_box, rigid_benzene_with_sites, four_site_water_in_a_field, rods_linked_by_sites,
+    ring_through_the_box, net_through_the_box
 ]

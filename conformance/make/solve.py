@@ -67,13 +67,21 @@ class System:
         return x
 
     def bond_vectors(self, x: np.ndarray) -> np.ndarray:
-        return x[self.pairs[:, 1]] - x[self.pairs[:, 0]] + self.shift
+        return self.spreads(x) + self.shift
+
+    def spreads(self, v: np.ndarray) -> np.ndarray:
+        """The velocity of each bond's second end less that of its first, of sites the mean of their parents'."""
+        v = self.place_sites(v)
+        return v[self.pairs[:, 1]] - v[self.pairs[:, 0]]
 
     def jacobian(self, x: np.ndarray) -> np.ndarray:
         rows, r = np.arange(len(self.pairs)), self.bond_vectors(x)
         jacobian = np.zeros((len(rows), len(x), 3))
         jacobian[rows, self.pairs[:, 0]] = -r
         jacobian[rows, self.pairs[:, 1]] = r
+        for site in self.of.get("virtual_sites", []):  # their parents bear their bonds
+            jacobian[:, site["of"]] += np.array(site["weights"])[:, None] * jacobian[:, [site["atom"]]]
+            jacobian[:, site["atom"]] = 0
         return jacobian
 
     def forces(self, x: np.ndarray) -> Tuple[float, np.ndarray]:
@@ -154,8 +162,7 @@ class System:
         jacobian, (_, force) = self.jacobian(x), self.forces(x)
         w = np.sqrt(self.inv)
         scaled = (jacobian * w[:, None]).reshape(len(jacobian), -1)
-        spread = v[self.pairs[:, 1]] - v[self.pairs[:, 0]]
-        wanted = -(spread**2).sum(1) - scaled @ (force * w[:, None]).ravel()
+        wanted = -(self.spreads(v)**2).sum(1) - scaled @ (force * w[:, None]).ravel()
         pull = np.linalg.lstsq(scaled, wanted, rcond=1e-11)[0] if len(jacobian) else np.zeros(v.size)
         multipliers = np.linalg.lstsq(scaled.T, pull, rcond=1e-11)[0] if len(jacobian) else np.zeros(0)
         return force * self.inv[:, None] + w[:, None] * pull.reshape(v.shape), multipliers
