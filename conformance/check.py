@@ -57,6 +57,8 @@ def find_faults_of_numbers(case: Dict[str, Any]) -> List[str]:
         faults.append(f"bond {off.argmax()} is off its length by {off.max():.1e} at the start")
     if "velocities_nm_per_ps" in start:
         v = np.array(start["velocities_nm_per_ps"], dtype=float)
+        for site in system.get("virtual_sites", []):  # whose velocity is that of their parents
+            v[site["atom"]] = np.array(site["weights"]) @ v[site["of"]]
         i, j = np.array([bond["atoms"] for bond in system["bonds"]]).T
         along_bonds = np.abs(np.einsum("bi,bi->b", along, v[j] - v[i]) / lengths)
         if along_bonds.max() > 1e-9 and "along the bond" not in case["words"]:

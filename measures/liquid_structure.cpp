@@ -1,6 +1,8 @@
 #include "measures/liquid_structure.hpp"
 
 #include <algorithm>
+#include <set>
+#include <utility>
 
 #include "systems/molecules/whole_molecules.hpp"
 
@@ -13,7 +15,9 @@ struct Molecules {
   std::vector<int> degree;
 
   Molecules(const System& sys, const Terms& terms) : degree(sys.atoms(), 0) {
-    for (const auto& [i, j] : bonded_pairs(sys, terms)) ++degree[i], ++degree[j];
+    std::set<std::pair<int, int>> pairs;  // a site's parents may be bonded, too
+    for (const auto& [i, j] : bonded_pairs(sys, terms))
+      if (pairs.insert(std::minmax(i, j)).second) ++degree[i], ++degree[j];
     const std::vector<int> molecule = molecules(sys, terms);
     for (int a = 0; a < sys.atoms(); ++a) {
       atoms.resize(std::max<std::size_t>(atoms.size(), molecule[a] + 1));

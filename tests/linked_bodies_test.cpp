@@ -372,46 +372,32 @@ TEST(BondsOfSites, OfAWaterAreLeftToAnotherMethodBySettle) {
   }
 }
 
-// Rods zigzag around the box, linked by bonds along it. Pulled by ±F across it at the links they bear F/2 tan θ along it,
-// whatever images they are given as.
-TEST(BondsOfSites, RodsAroundTheBoxPullAtIt) {
-  const int rods = 4;
-  const double length = 0.5, link = 0.1, theta = 0.4, force = 30;
-  const double step = length * std::cos(theta) + link, up = length * std::sin(theta);
-  Scene scene;
-  State& s = scene.start;
-  s.box.edge = {rods * step, 1.5, 1.4};
-  s.x = Vectors::Zero(3, 4 * rods);
-  s.v = s.f = s.x;
-  Eigen::VectorXd mass = Eigen::VectorXd::Zero(4 * rods);
+// Atoms in a row around the box, whose ring a bond of a site closes; or a site of each two closes it.
+TEST(BondsOfSites, AroundTheBoxAreRefused) {
+  Eigen::VectorXd mass = Eigen::VectorXd::Constant(8, 10);
+  mass.tail(2).setZero();
+  State start;
+  start.box.edge = {1.8, 1.5, 1.4};
+  start.x = Vectors::Zero(3, 8);
   std::vector<RigidBond> bonds;
-  VirtualSites sites;
-  for (int n = 0; n < rods; ++n) {
-    const int a = 4 * n, next = 4 * ((n + 1) % rods);
-    const double sign = n % 2 == 0 ? 1 : -1;
-    const Vec3 from(step * n, sign > 0 ? 0.3 : 0.3 + up, 0.4), along(length * std::cos(theta), sign * up, 0);
-    s.x.col(a) = from + 0.25 * along, s.x.col(a + 1) = from + 0.75 * along;
-    mass.segment<2>(a).setConstant(10);
-    sites.push_back(VirtualSite::average(a + 2, {{a, 1.5}, {a + 1, -0.5}}));
-    sites.push_back(VirtualSite::average(a + 3, {{a, -0.5}, {a + 1, 1.5}}));
-    bonds.push_back({a, a + 1, 0.5 * length});
-    bonds.push_back({a + 3, next + 2, link});
-    scene.terms.pulls.push_back({a + 2, Vec3(0, -sign * force / 2, 0)});
-    scene.terms.pulls.push_back({a + 3, Vec3(0, sign * force / 2, 0)});
+  for (int a = 0; a < 6; ++a) {
+    start.x.col(a) << 0.3 * a, 0.1 * (a % 2), 0;
+    if (a > 0) bonds.push_back({a - 1, a, std::hypot(0.3, 0.1)});
   }
-  scene.system = make_system(mass, bonds, sites);
-  const double right = -force / (2 * std::tan(theta)) * s.box.edge.x();
-  for (const Vec3& cell : {Vec3(0, 0, 0), Vec3(-1, 2, 0), Vec3(1, 0, -3)}) {
-    State moved = s;
-    moved.x.middleCols(4, 2).colwise() += s.box.lattice_vector(cell);
-    place_sites(sites, moved.x);
-    make_whole(tethers(scene.system, scene.terms), moved, scene.system);
-    EXPECT_TRUE(scene.system.images.periodic());
-    ForceField forces(scene.system, s.box, scene.terms);
-    const Eigen::Matrix3d P = tests::pressure_of(scene.system, forces, moved);
-    EXPECT_NEAR(P(0, 0) * s.box.volume() / kBarPerUnit, right, 1e-9 * std::abs(right));
-    EXPECT_LT(bond_errors(scene.system, moved.x).max, 1e-12);
-  }
+  const VirtualSites sites = {VirtualSite::average(6, {{0, 0.5}, {1, 0.5}}),
+                              VirtualSite::average(7, {{4, 0.5}, {5, 0.5}})};
+  place_sites(sites, start.x);
+  const auto said = [&](const RigidBond& more) {
+    bonds.push_back(more);
+    System sys = make_system(mass, bonds, sites);
+    bonds.pop_back();
+    State s = start;
+    return error_message([&] { make_whole(tethers(sys, {}), s, sys); });
+  };
+  EXPECT_THAT(said({5, 6, std::hypot(0.45, 0.05)}),
+              HasSubstr("atoms 5 and 6: their bond ends in a virtual site"));
+  EXPECT_THAT(said({7, 6, 0.6}), HasSubstr("virtual sites tie atoms together all around the box"));
+  EXPECT_EQ(said({5, 6, 1.351}), "no error");  // as it stands
 }
 
 // Chains of rods, drawn.
@@ -457,12 +443,11 @@ TEST(ChainsOfRods, GoOnFromACheckpointToTheLastBit) {
         read(kChains.text, {"place.0.count=5", "run.steps=200", fmt::format("method.name={}", method)}), 110);
 }
 
-// A ring of rods, and one to which a rope and a spring are tied.
 TEST(ChainsOfRods, AreDrawnWithRingsRopesAndSprings) {
   for (const auto& [old, changed] :
        std::vector<std::array<std::string, 2>>{{"units = 3", "units = 5\nring = true"},
                                                {"units = 3", "units = 3\nat_most = [[2, -1, 0.6]]"},
-                                               {"units = 3", "units = 3\nsprings = [[3, 2, 0.25, 100]]"}}) {
+                                               {"units = 3", "units = 3\nsprings = [[3, 4, 0.18, 100]]"}}) {
     const Scene scene = read(kChains.with(old, changed).text, {"place.0.count=5"});
     EXPECT_LT(bond_errors(scene.system, scene.start.x).max, 1e-6) << changed;
   }

@@ -267,7 +267,7 @@ std::vector<bool> join(const Box& box, const std::vector<Tether>& tethers, const
             "atoms {} and {}: virtual sites tie atoms together all around the box to their own image, and a "
             "site's place is between its parents as they are, not between their images: leave the site "
             "between "
-            "these two out",
+            "these two, or the bond that it has, out",
             tether.i, tether.j));
     }
   }
@@ -321,6 +321,18 @@ std::vector<Reach> make_whole(const Box& box, const std::vector<Tether>& tethers
 void make_whole(const std::vector<Tether>& tethers, State& start, System& sys) {
   sys.reach = make_whole(start.box, tethers, start.x);
   sys.images = std::ranges::find(sys.reach, Reach::kCluster) == sys.reach.end() ? Box{} : start.box;
+  for (int k = 0; k < sys.all_bonds(); ++k) {
+    const RigidBond& bond = sys.bond(k);
+    if (!start.box.periodic() || !(sys.is_site(bond.i) || sys.is_site(bond.j))) continue;
+    const Vec3 r = sys.along(bond, start.x);
+    const auto off = [&](const Vec3& at) { return std::abs(at.norm() - bond.length); };
+    if (off(r) > off(start.box.nearest_image(r)) + kFits * bond.length)
+      throw InputError(
+          fmt::format("atoms {} and {}: their bond ends in a virtual site and closes a ring around the box, "
+                      "where bonds of sites "
+                      "take no nearest image: let it end in atoms that are no sites",
+                      bond.i, bond.j));
+  }
 }
 
 }  // namespace taut
