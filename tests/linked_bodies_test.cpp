@@ -510,6 +510,20 @@ TEST(BondsOfSites, ThatCannotBeAreRefusedByName) {
                {"[3, 6, 0.15]]", "[3, 6, 0.15], [2, 2, 0.1]]", "names the same atom twice"},
                {three, "virtual_sites2 = [[2, 0, 1, -0.25]]\nvirtual_sites3out = [[3, 0, 1, 2, 0.1, 0.1, 1]]",
                 "bonds[1]: atom 3 is a virtual site out of the plane of its parents (virtual_sites3out)"}});
+  struct Own {
+    std::vector<Option> describe() { return {}; }
+  };
+  const auto make = [](const System&, const std::any&, double) {
+    return std::make_unique<ConstraintMethod>();
+  };
+  add_method({.name = "own of linked bodies",
+              .summary = "a test's",
+              .defaults = Own{},
+              .describe = [](std::any&) { return std::vector<Option>{}; },
+              .make = make,
+              .make_plain = make});
+  EXPECT_THAT(error_message([&] { make_method(Linked().system, Own{}, 0.01); }),
+              HasSubstr("\"own of linked bodies\" is not taut's own, and is not told"));
   const Scene chains = read(kChains.text, {"place.0.count=2"});
   EXPECT_THAT(error_message([&] { openmm_system_xml(openmm_input(chains)); }),
               HasSubstr("holds atom 3, which is a virtual site, and OpenMM takes no constraint"));
