@@ -68,6 +68,7 @@ void find_bearers(System& sys) {
   if (!sys.sites.empty() &&
       (std::ranges::any_of(sys.bonds, ends_in_site) || std::ranges::any_of(sys.one_sided, ends_in_site)))
     for (int a = 0; a < sys.atoms(); ++a) sys.bearers.push_back(weighted_atoms_of(sys.sites, a));
+  const double least = sys.atoms() > 0 ? 1e-12 / sys.mass.maxCoeff() : 0;
   for_each_tested(sys, [&](const Tested& tested) {
     for (const int a : {tested.bond.i, tested.bond.j})
       if (sys.is_site(a) && sys.bearers[a].empty())
@@ -79,7 +80,7 @@ void find_bearers(System& sys) {
     double all = 0;
     sys.for_each_bearer(tested.bond, [&](int a, double c) { all += std::abs(c) * sys.mass[a]; });
     if (all == 0) tested.refuse("both ends are anchored (mass 0)");
-    if (!(sys.reduced_inv_mass(tested.bond) > 1e-12 / sys.mass.maxCoeff()))
+    if (!(sys.reduced_inv_mass(tested.bond) > least))
       tested.refuse("the weights of its virtual sites put both its ends at one place");
   });
 }
