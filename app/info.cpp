@@ -36,11 +36,13 @@ std::vector<std::string> forces_of(const Scene& scene) {
   add(terms.fene.size(), "FENE spring");
   add(terms.angles.size(), "angle");
   add(terms.cosine_angles.size() + terms.cosine_squared_angles.size(), "cosine angle");
+  add(terms.restricted_angles.size(), "restricted angle");
   add(terms.tabulated_bonds.size(), "tabulated bond");
   add(terms.tabulated_angles.size(), "tabulated angle");
   add(terms.torsions.size(), "torsion");
   add(terms.rb_torsions.size(), "Ryckaert–Bellemans torsion");
   add(terms.harmonic_torsions.size(), "harmonic torsion");
+  add(terms.bending_torsions.size(), "combined bending–torsion");
   add(terms.cmaps.size(), "correction map");
   if (terms.wca) forces.emplace_back("repulsion of all pairs (WCA)");
   if (const auto& tables = terms.tabulated_pairs)
@@ -49,14 +51,18 @@ std::vector<std::string> forces_of(const Scene& scene) {
                                  tables->cutoff()));
   if (const auto& pairs = terms.nonbonded) {
     const bool charged = (pairs->charge.array() != 0).any();
-    forces.push_back(fmt::format("Lennard-Jones{}{}{}{}", charged ? " and Coulomb" : "",
-                                 pairs->cutoff ? fmt::format(" to {:g} nm", *pairs->cutoff) : " of all pairs",
-                                 !charged     ? ""
-                                 : pairs->pme ? ", particle mesh Ewald"
-                                 : pairs->cutoff
-                                     ? fmt::format(", reaction field of ε = {:g}", pairs->rf_dielectric)
-                                     : "",
-                                 terms.precision == Precision::kMixed ? ", in mixed precision" : ""));
+    forces.push_back(
+        fmt::format("Lennard-Jones{}{}{}{}{}{}", pairs->shifted ? " shifted to zero" : "",
+                    !charged                 ? ""
+                    : pairs->dielectric == 1 ? " and Coulomb"
+                                             : fmt::format(" and Coulomb in ε = {:g}", pairs->dielectric),
+                    pairs->cutoff ? fmt::format(" to {:g} nm", *pairs->cutoff) : " of all pairs",
+                    !charged        ? ""
+                    : pairs->pme    ? ", particle mesh Ewald"
+                    : pairs->cutoff ? fmt::format(", reaction field of ε = {:g}", pairs->rf_dielectric)
+                                    : "",
+                    pairs->rf_excluded ? ", also between excluded charges" : "",
+                    terms.precision == Precision::kMixed ? ", in mixed precision" : ""));
   }
   if (terms.gravity) forces.emplace_back("gravity");
   add(terms.pulls.size(), "pull");

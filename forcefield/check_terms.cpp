@@ -72,6 +72,9 @@ void check_bonded(const Terms& terms, int n) {
              [](TermNumber at, const CosineSquaredAngle& t) {
                check_numbers(at, {t.cosine, t.stiffness});
              });
+  check_each("restricted angle", terms.restricted_angles, n, [](TermNumber at, const RestrictedAngle& t) {
+    check_numbers(at, {t.cosine, t.stiffness});
+  });
   check_each("fene", terms.fene, n, [](TermNumber at, const Fene& t) {
     check_positive(at, "r0", t.r0);
     check_numbers(at, {t.k});
@@ -91,6 +94,9 @@ void check_bonded(const Terms& terms, int n) {
   });
   check_each("harmonic_torsion", terms.harmonic_torsions, n, [](TermNumber at, const HarmonicTorsion& t) {
     check_numbers(at, {t.angle, t.stiffness});
+  });
+  check_each("bending torsion", terms.bending_torsions, n, [](TermNumber at, const BendingTorsion& t) {
+    check_numbers(at, {t.c[0], t.c[1], t.c[2], t.c[3], t.c[4]});
   });
 }
 
@@ -117,6 +123,8 @@ void check_cutoff(const Nonbonded& nb, const Box& box) {
             nb.switch_distance.value_or(0));
     require(!nb.dispersion_correction,
             "nonbonded: the dispersion correction needs a cutoff in a periodic box");
+    require(!nb.shifted, "nonbonded: Lennard-Jones that is shifted to zero needs a cutoff");
+    require(!nb.rf_excluded, "nonbonded: a reaction field between excluded charges needs a cutoff");
     return;
   }
   const double rc = *nb.cutoff;
@@ -124,8 +132,14 @@ void check_cutoff(const Nonbonded& nb, const Box& box) {
   require(box.periodic() || !nb.pme, "nonbonded: PME needs a periodic box");
   require(box.periodic() || !nb.dispersion_correction,
           "nonbonded: the dispersion correction needs a periodic box");
-  require(nb.rf_dielectric > 0 && std::isfinite(nb.rf_dielectric),
-          "nonbonded: reaction field dielectric {}, expected more than 0", nb.rf_dielectric);
+  require(nb.rf_dielectric > 0, "nonbonded: reaction field dielectric {}, expected more than 0",
+          nb.rf_dielectric);
+  require(!(nb.shifted && nb.switch_distance),
+          "nonbonded: Lennard-Jones is shifted to zero and switched to zero: take one");
+  require(
+      !(nb.shifted && nb.dispersion_correction),
+      "nonbonded: the dispersion correction is of a plain cutoff or a switch, not of shifted Lennard-Jones");
+  require(!(nb.rf_excluded && nb.pme), "nonbonded: a reaction field between excluded charges beside PME");
   if (nb.switch_distance)
     require(*nb.switch_distance > 0 && *nb.switch_distance < rc,
             "nonbonded: switch at {} nm, expected between 0 and the cutoff {} nm", *nb.switch_distance, rc);
@@ -163,6 +177,8 @@ void check_nonbonded(const Nonbonded& nb, int n, const Box& box) {
     check_not_negative(at, "epsilon", epsilon);
     require(seen.insert(std::minmax(i, j)).second, "exception {}: the pair {}-{} has one already", e, i, j);
   }
+  require(nb.dielectric > 0 && std::isfinite(nb.dielectric),
+          "nonbonded: dielectric {} between charges, expected more than 0", nb.dielectric);
   check_cutoff(nb, box);
 }
 

@@ -23,11 +23,28 @@ namespace taut {
 namespace {
 
 // Exceptions that are more than exclusions.
-std::vector<PairException> interacting(const std::vector<PairException>& exceptions) {
+std::vector<PairException> interacting(const Nonbonded& pairs) {
   std::vector<PairException> some;
-  for (const auto& e : exceptions)
-    if (e.charge_product != 0 || e.epsilon != 0) some.push_back(e);
+  for (auto e : pairs.exceptions) {
+    if (e.charge_product == 0 && e.epsilon == 0) continue;
+    e.charge_product /= pairs.dielectric;
+    some.push_back(e);
+  }
   return some;
+}
+
+std::vector<FieldPair> excluded_charges(const Nonbonded& pairs) {
+  std::vector<FieldPair> all;
+  const auto [k, c] = pairs.reaction_field();
+  for (const auto& e : pairs.exceptions)
+    if (const double qq = pairs.coulomb() * pairs.charge[e.i] * pairs.charge[e.j]; qq != 0)
+      all.push_back({e.i, e.j, k * qq, c * qq, *pairs.cutoff});
+  return all;
+}
+
+// What the reaction field of each charge does to the charge itself.
+double own_field(const Nonbonded& pairs) {
+  return -0.5 * pairs.coulomb() * pairs.reaction_field().c * pairs.charge.squaredNorm();
 }
 
 void place_virtual_sites(const System& sys, Vectors& x) {
@@ -48,6 +65,7 @@ struct ForceField::Impl {
   std::optional<Pme> pme;
   BondedForces bonded;
   BondedThroughBox through_box;
+  double own_field = 0;              // [kJ/mol]
   std::optional<double> dispersion;  // times the volume [kJ/mol·nm³]
   double dispersion_virial = 0;      // a third of it, times the volume
   Box box;                           // what the mesh is made for
@@ -67,7 +85,11 @@ struct ForceField::Impl {
         }
       }
       lj_coulomb.emplace(*terms.nonbonded, box.periodic(), terms.precision);
-      exceptions = interacting(terms.nonbonded->exceptions);
+      exceptions = interacting(*terms.nonbonded);
+      if (terms.nonbonded->rf_excluded) {
+        terms.field_pairs = excluded_charges(*terms.nonbonded);
+        own_field = taut::own_field(*terms.nonbonded);
+      }
     }
     if (sys.reach.empty()) {
       bonded = BondedForces(terms, exceptions);
@@ -197,7 +219,8 @@ struct ForceField::Impl {
     Energies all = BondedForces::by_name(evaluation.bonded, counts);
     if (lj_coulomb)
       all.emplace_back("lj_coulomb", lj_coulomb->energy() +
-                                         BondedForces::exception_energy(evaluation.bonded) + evaluation.mesh);
+                                         BondedForces::exception_energy(evaluation.bonded) + evaluation.mesh +
+                                         own_field);
     if (dispersion) all.emplace_back("dispersion", *dispersion / box.volume());
     if (wca) all.emplace_back("wca", wca->energy());
     if (tables) all.emplace_back("tabulated_pairs", tables->energy());

@@ -38,7 +38,7 @@ class ForceField final : public ForceLaw {
   // What evaluating the forces at a place gives evaluation them, at no cost. It is kept by the caller, who hands
   // it back for energies and the virial at that place: own fields are never asked twice.
   struct Evaluation {
-    std::array<double, 12> bonded{};  // energy by kind of bonded term [kJ/mol]
+    std::array<double, 15> bonded{};  // energy by kind of bonded term [kJ/mol]
     double mesh = 0;                  // all of PME but its pairs [kJ/mol]
     Energies fields;  // gravity, pulls, restraints, walls, steering, biases, own fields [kJ/mol]
     std::vector<double> wall_pushes;  // force of the atoms on each wall [kJ/mol/nm]

@@ -49,8 +49,8 @@ void change_atoms(CmapTorsion& term, const auto& change) {
 void for_each_list(const auto& use) {
   const auto each = [&](auto... list) { (use(list), ...); };
   each(&Terms::bonds, &Terms::fene, &Terms::tabulated_bonds, &Terms::angles, &Terms::cosine_angles,
-       &Terms::cosine_squared_angles, &Terms::tabulated_angles, &Terms::torsions, &Terms::rb_torsions,
-       &Terms::harmonic_torsions);
+       &Terms::cosine_squared_angles, &Terms::restricted_angles, &Terms::tabulated_angles, &Terms::torsions,
+       &Terms::rb_torsions, &Terms::harmonic_torsions, &Terms::bending_torsions, &Terms::field_pairs);
 }
 
 }  // namespace taut

@@ -12,6 +12,7 @@
 #include "base/vectors.hpp"
 #include "forcefield/bias.hpp"
 #include "forcefield/spline.hpp"
+#include "md/units.hpp"
 
 namespace taut {
 
@@ -38,6 +39,14 @@ struct CosineAngle {
 // ½K(cos θ − cos θ₀)², harmonic near θ₀ and without a singularity where the atoms are in line; LAMMPS's angle_style
 // cosine/squared, GROMACS's angles of type 2 (van Gunsteren and Berendsen 1987).
 struct CosineSquaredAngle {
+  int i, j, k;
+  double cosine;     // cos θ₀
+  double stiffness;  // K [kJ/mol]
+};
+
+// ½K(cos θ − cos θ₀)²/sin²θ, which keeps three atoms out of line; GROMACS's angles of type 10 (Bulacu et al. 2013,
+// doi:10.1021/ct400219n).
+struct RestrictedAngle {
   int i, j, k;
   double cosine;     // cos θ₀
   double stiffness;  // K [kJ/mol]
@@ -71,6 +80,13 @@ struct HarmonicTorsion {  // ½k(φ − angle)², the shorter way round
   double stiffness;  // [kJ/mol/rad²]
 };
 
+// sin³θ₁ sin³θ₂ Σ c_n cosⁿφ, which fades where three of the atoms are in line; GROMACS's dihedrals of type 11 (Bulacu et
+// al. 2013).
+struct BendingTorsion {
+  int i, j, k, l;
+  std::array<double, 5> c;  // [kJ/mol]
+};
+
 // A CHARMM correction map (cmap.hpp): E of two dihedrals, between the points of one of Terms::maps.
 struct CmapTorsion {
   std::array<int, 4> phi, psi;
@@ -90,6 +106,14 @@ struct PairException {
   double charge_product;  // [e²]
   double sigma;           // [nm]
   double epsilon;         // [kJ/mol]
+};
+
+// k qq (k_rf r² − c_rf) up to a cutoff: what the reaction field leaves between two charges that exclude each other.
+struct FieldPair {
+  int i, j;
+  double curvature;  // k qq k_rf [kJ/mol/nm²]
+  double depth;      // k qq c_rf [kJ/mol]
+  double cutoff;     // [nm]
 };
 
 // Coulomb of all periodic images by particle mesh Ewald (ewald/pme.hpp). Zeros are chosen by the tolerance.
@@ -115,9 +139,24 @@ struct Nonbonded {
   std::optional<double> cutoff;           // [nm]; none: every pair
   std::optional<double> switch_distance;  // [nm]: Lennard-Jones switched to zero from here to the cutoff
   double rf_dielectric = 78.3;            // ε of the reaction field beyond the cutoff; 1: a shifted cutoff
+  bool rf_excluded = false;               // it also acts between excluded charges, and of each on itself
+  double dielectric = 1;                  // by which all Coulomb energies are divided
+  bool shifted = false;                   // Lennard-Jones of each pair is raised to zero at the cutoff
   std::optional<PmeParameters> pme;       // in place of the reaction field
   bool dispersion_correction = false;     // long-range Lennard-Jones, periodic only
   std::optional<LennardJonesTable> lj_table{};  // in place of sigma and epsilon
+
+  double coulomb() const { return kCoulomb / dielectric; }  // [kJ/mol·nm/e²]
+
+  // k_rf and c_rf of a cutoff (pairs/pair_kernels.hpp).
+  struct ReactionField {
+    double k, c;  // [1/nm³], [1/nm]
+  };
+  ReactionField reaction_field() const {
+    const double rc = *cutoff, eps = rf_dielectric;
+    if (std::isinf(eps)) return {1 / (2 * rc * rc * rc), 3 / (2 * rc)};
+    return {(eps - 1) / ((2 * eps + 1) * rc * rc * rc), 3 * eps / ((2 * eps + 1) * rc)};
+  }
 };
 
 // Purely repulsive beads of one kind: 4ε((σ/r)¹² − (σ/r)⁶) + ε up to r = 2^(1/6)σ.
@@ -215,14 +254,17 @@ struct Terms {
   std::vector<HarmonicAngle> angles{};
   std::vector<CosineAngle> cosine_angles{};
   std::vector<CosineSquaredAngle> cosine_squared_angles{};
+  std::vector<RestrictedAngle> restricted_angles{};
   std::vector<TabulatedBond> tabulated_bonds{};
   std::vector<TabulatedAngle> tabulated_angles{};
   std::vector<PeriodicTorsion> torsions{};
   std::vector<RyckaertBellemans> rb_torsions{};
   std::vector<HarmonicTorsion> harmonic_torsions{};
+  std::vector<BendingTorsion> bending_torsions{};
   std::vector<Eigen::MatrixXd> maps{};  // n x n: E at φ = 2π row/n, ψ = 2π column/n [kJ/mol]
   std::vector<CmapTorsion> cmaps{};
   std::vector<Fene> fene{};
+  std::vector<FieldPair> field_pairs{};  // ForceField makes them where nonbonded->rf_excluded is
   std::optional<Nonbonded> nonbonded{};
   std::optional<Wca> wca{};
   std::optional<TabulatedPairs> tabulated_pairs{};

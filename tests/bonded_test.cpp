@@ -51,9 +51,13 @@ struct Chains {
       if (left >= 2) terms.cosine_angles.push_back({a, a + 1, a + 2, about(20)});
       if (left >= 2)
         terms.cosine_squared_angles.push_back({a, a + 1, a + 2, 2 * random.uniform() - 1, about(20)});
+      if (left >= 2) terms.restricted_angles.push_back({a, a + 1, a + 2, 2 * random.uniform() - 1, about(2)});
+      if (left >= 2) terms.field_pairs.push_back({a, a + 2, random.uniform() - 0.5, about(5), 0.2});
       if (left >= 1) terms.tabulated_bonds.push_back({a, a + 1, of_bonds[a % 2]});
       if (left >= 2) terms.tabulated_angles.push_back({a, a + 1, a + 2, of_angles[a % 2]});
       if (left < 3) continue;
+      terms.bending_torsions.push_back(
+          {a, a + 1, a + 2, a + 3, {about(9), about(-4), about(5), about(-3), about(6)}});
       for (int n = 1; n <= 1 + a % 6; ++n)
         terms.torsions.push_back({a, a + 1, a + 2, a + 3, n, about(1), about(5)});
       terms.rb_torsions.push_back(
@@ -110,6 +114,9 @@ TEST(BondedLanes, AddWhatThePlainLoopsAddOnEveryKindOfMachine) {
     expect_lanes_as_plain(c.terms.angles, c.x, add_angles);
     expect_lanes_as_plain(c.terms.cosine_angles, c.x, add_cosine_angles);
     expect_lanes_as_plain(c.terms.cosine_squared_angles, c.x, add_cosine_squared_angles);
+    expect_lanes_as_plain(c.terms.restricted_angles, c.x, add_restricted_angles);
+    expect_lanes_as_plain(c.terms.field_pairs, c.x, add_field_pairs);
+    expect_lanes_as_plain(c.terms.bending_torsions, c.x, add_bending_torsions);
     expect_lanes_as_plain(c.terms.tabulated_bonds, c.x, add_tabulated_bonds);
     expect_lanes_as_plain(c.terms.tabulated_angles, c.x, add_tabulated_angles);
     expect_lanes_as_plain(c.terms.torsions, c.x, add_torsions);
@@ -240,6 +247,20 @@ TEST(BondedLanes, CosineAnglesPushDownTheirEnergysSlope) {
               1e-14);
 }
 
+TEST(BondedLanes, RestrictedAnglesPushDownTheirEnergysSlope) {
+  expect_slopes(std::vector<RestrictedAngle>{{0, 1, 2, -0.3, 0.1}}, false);
+}
+
+TEST(BondedLanes, BendingTorsionsFadeWhereThreeAtomsAreInLine) {
+  Vectors x(3, 4);
+  x << 0, 0.1, 0.2, 0.2, 0, 0, 0, 0.1, 0, 0, 0, 0;
+  const std::vector<BendingTorsion> terms = {{0, 1, 2, 3, {3, -4, 5, 2, 1}}};
+  EXPECT_EQ(sum(terms, x, kInLanes).energy, 0);
+  EXPECT_EQ(sum(terms, x, kInLanes).f, Vectors::Constant(3, 4, 1));
+  x.col(0) = Vec3(0.1, 0.1, 0);  // square and cis
+  EXPECT_NEAR(sum(terms, x, kInLanes).energy, 7, 1e-13);
+}
+
 TEST(Tables, PushDownTheirEnergysSlope) {
   const Chains c(1, 3);
   const auto of_distance =
@@ -256,6 +277,9 @@ Sum plain_sum(const Chains& c) {
              add_harmonic_torsions(c.terms.harmonic_torsions, c.x, s.f) +
              add_term_forces(cmap_pairs(c.terms.maps, c.terms.cmaps), c.x, s.f) +
              add_cosine_squared_angles(c.terms.cosine_squared_angles, c.x, s.f) +
+             add_restricted_angles(c.terms.restricted_angles, c.x, s.f) +
+             add_field_pairs(c.terms.field_pairs, c.x, s.f) +
+             add_bending_torsions(c.terms.bending_torsions, c.x, s.f) +
              add_tabulated_bonds(c.terms.tabulated_bonds, c.x, s.f) +
              add_tabulated_angles(c.terms.tabulated_angles, c.x, s.f) + add_fene(c.terms.fene, c.x, s.f) +
              add_exceptions(c.exceptions, c.x, s.f);

@@ -75,6 +75,60 @@ TEST(Coulomb, HasAReactionFieldWithinACutoff) {
   }
 }
 
+// Martini's form (Marrink et al. 2007, doi:10.1021/jp071097f): the force is that of the plain cutoff.
+TEST(LennardJones, IsShiftedToZeroAtTheCutoff) {
+  Nonbonded nb = without_charges(two_kinds(2)), plain = nb;
+  nb.cutoff = plain.cutoff = 0.9;
+  nb.shifted = true;
+  LennardJonesTable table{{0, 1}, Eigen::MatrixXd::Zero(2, 2), Eigen::MatrixXd::Zero(2, 2)};
+  for (const auto& [i, j] : {std::pair{0, 1}, std::pair{1, 0}}) {
+    table.a(i, j) = 4 * 0.4 * std::pow(0.25, 12);
+    table.b(i, j) = 4 * 0.4 * std::pow(0.25, 6);
+  }
+  Nonbonded by_table = without_lj(nb);
+  by_table.lj_table = table;
+  Nonbonded alike = nb;
+  alike.sigma.setConstant(0.25);
+  alike.epsilon.setConstant(0.4);
+  for (const double r : {0.3, 0.7, 0.8999})
+    for (const Nonbonded& one : {nb, by_table, alike}) {
+      EXPECT_NEAR(evaluate({.nonbonded = one}, apart(r)).energy, lj(0.25, 0.4, r) - lj(0.25, 0.4, 0.9),
+                  1e-13);
+      EXPECT_NEAR(evaluate({.nonbonded = one}, apart(r)).f(0, 1),
+                  evaluate({.nonbonded = plain}, apart(r)).f(0, 1), 1e-12);
+    }
+  EXPECT_EQ(evaluate({.nonbonded = nb}, apart(0.9001)).energy, 0);
+}
+
+TEST(Coulomb, IsDividedByADielectricConstant) {
+  Nonbonded nb = two_kinds(2);
+  nb.dielectric = 15;
+  nb.epsilon.setZero();
+  EXPECT_NEAR(evaluate({.nonbonded = nb}, apart(2)).energy, kCoulomb * -0.4 / 2 / 15, 1e-13);
+  nb.exceptions = {{1, 0, 0.3, 1, 0}};
+  EXPECT_NEAR(evaluate({.nonbonded = nb}, apart(2)).energy, kCoulomb * 0.3 / 2 / 15, 1e-13);
+}
+
+// k_rf = 1/2rc³ and c_rf = 3/2rc of an infinite ε, of excluded charges within the cutoff and of each on itself.
+TEST(Coulomb, HasAReactionFieldOfExcludedCharges) {
+  Nonbonded nb = without_lj(two_kinds(2));
+  const double rc = 1.1, one = nb.charge[0] * nb.charge[0] + nb.charge[1] * nb.charge[1];
+  nb.cutoff = rc;
+  nb.dielectric = 15;
+  nb.rf_dielectric = HUGE_VAL;
+  nb.rf_excluded = true;
+  nb.exceptions = {{0, 1, 0, 1, 0}};
+  for (const double r : {0.2, 0.6, 1.09, 1.2}) {
+    const auto [energy, f] = evaluate({.nonbonded = nb}, apart(r), Box{Vec3(3, 3, 3)});
+    const double within = r < rc ? 1 : 0, qq = kCoulomb / 15 * -0.4;
+    EXPECT_NEAR(energy,
+                within * qq * (r * r / (2 * rc * rc * rc) - 1.5 / rc) - 0.5 * kCoulomb / 15 * one * 1.5 / rc,
+                1e-12);
+    EXPECT_NEAR(f(0, 1), -within * qq * r / (rc * rc * rc), 1e-12);
+  }
+  expect_forces_are_minus_the_slope({.nonbonded = nb}, apart(0.6));
+}
+
 TEST(Exceptions, GoByTheirOwnNumbersWithoutCutoffOrImages) {
   Nonbonded nb = two_kinds(2);
   nb.cutoff = 0.9;

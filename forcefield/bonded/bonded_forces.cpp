@@ -43,6 +43,9 @@ BondedForces::BondedForces(const Terms& terms, const std::vector<PairException>&
   std::get<Sorted<CosineSquaredAngle>>(kinds_).terms = terms.cosine_squared_angles;
   std::get<Sorted<TabulatedBond>>(kinds_).terms = terms.tabulated_bonds;
   std::get<Sorted<TabulatedAngle>>(kinds_).terms = terms.tabulated_angles;
+  std::get<Sorted<RestrictedAngle>>(kinds_).terms = terms.restricted_angles;
+  std::get<Sorted<BendingTorsion>>(kinds_).terms = terms.bending_torsions;
+  std::get<Sorted<FieldPair>>(kinds_).terms = terms.field_pairs;
   std::get<Sorted<PairException>>(kinds_).terms = exceptions;
   sort_and_cut();
 }
@@ -81,9 +84,19 @@ BondedForces::KindCounts BondedForces::counts() const {
 
 std::vector<std::pair<std::string, double>> BondedForces::by_name(const KindEnergies& energies,
                                                                   const KindCounts& counts) {
-  constexpr std::array kKindNames{
-      "bond", "angle", "cosine_angle",         "torsion",        "rb_torsion",     "harmonic_torsion",
-      "cmap", "fene",  "cosine_squared_angle", "tabulated_bond", "tabulated_angle"};
+  constexpr std::array kKindNames{"bond",
+                                  "angle",
+                                  "cosine_angle",
+                                  "torsion",
+                                  "rb_torsion",
+                                  "harmonic_torsion",
+                                  "cmap",
+                                  "fene",
+                                  "cosine_squared_angle",
+                                  "tabulated_bond",
+                                  "tabulated_angle",
+                                  "restricted_angle",
+                                  "bending_torsion"};
   std::vector<std::pair<std::string, double>> all;
   for (std::size_t k = 0; k < kKindNames.size(); ++k)
     if (counts[k] > 0) all.emplace_back(kKindNames[k], energies[k]);

@@ -21,17 +21,19 @@ class BondedForces {
   BondedForces(const Terms& terms, const std::vector<PairException>& exceptions);
 
   // Energies by kind of term, in the order of kinds_ [kJ/mol].
-  using KindEnergies = std::array<double, 12>;
+  using KindEnergies = std::array<double, 15>;
   // Throws SimulationFailure where a fene bond is stretched to r₀ or more, and outside a table.
   KindEnergies add_forces(const Vectors& x, Vectors& f);
 
-  using KindCounts = std::array<std::size_t, 12>;
+  using KindCounts = std::array<std::size_t, 15>;
   KindCounts counts() const;  // of terms
 
-  // Energies by name, exceptions left out, only the kinds there are: ("angle", 12.3), ...
+  // Energies by name, exceptions and the field of excluded charges left out, only the kinds there are: ("angle", 12.3), ...
   static std::vector<std::pair<std::string, double>> by_name(const KindEnergies& energies,
                                                              const KindCounts& counts);
-  static double exception_energy(const KindEnergies& energies) { return energies.back(); }
+  static double exception_energy(const KindEnergies& energies) {
+    return energies.back() + energies[energies.size() - 2];
+  }
 
   const Pieces& pieces() const { return pieces_; }
 
@@ -49,7 +51,8 @@ class BondedForces {
 
   std::tuple<Sorted<HarmonicBond>, Sorted<HarmonicAngle>, Sorted<CosineAngle>, Sorted<ExpandedTorsion>,
              Sorted<RyckaertBellemans>, Sorted<TurnedTorsion>, Sorted<CmapPair>, Sorted<Fene>,
-             Sorted<CosineSquaredAngle>, Sorted<TabulatedBond>, Sorted<TabulatedAngle>, Sorted<PairException>>
+             Sorted<CosineSquaredAngle>, Sorted<TabulatedBond>, Sorted<TabulatedAngle>,
+             Sorted<RestrictedAngle>, Sorted<BendingTorsion>, Sorted<FieldPair>, Sorted<PairException>>
       kinds_;
   Pieces pieces_;
 };

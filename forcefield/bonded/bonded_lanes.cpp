@@ -68,6 +68,22 @@ struct Law<PairException> {
   }
 };
 
+// E = k_rf r² − c_rf, times the charges, within the cutoff
+template <>
+struct Law<FieldPair> {
+  static std::array<double, 3> numbers(const FieldPair& t) {
+    return {t.curvature, t.depth, t.cutoff * t.cutoff};
+  }
+
+  static HWY_INLINE V forces(const V3* x, const V* p, V3* f) {
+    const V3 d = x[1] - x[0];
+    const V r2 = dot(d, d);
+    const auto beyond = r2 > p[2];
+    pull_together(hn::IfThenZeroElse(beyond, 2 * p[0]), d, f);
+    return hn::IfThenZeroElse(beyond, hn::MulSub(p[0], r2, p[1]));
+  }
+};
+
 // E = ½k(θ − θ₀)². With a and c the arms at the middle atom and p = a × c,
 //     θ = atan2(|p|, a·c),   ∂θ/∂x_i = a × p / (a²|p|),   ∂θ/∂x_k = −c × p / (c²|p|).
 // Where the atoms are in line the direction is undefined and the forces are zero.
@@ -129,6 +145,22 @@ struct Law<CosineSquaredAngle> {
     const V cosine = cosine_forces(x, f, [p](V at) HWY_ATTR { return p[1] * (at - p[0]); });
     const V off = cosine - p[0];
     return 0.5 * p[1] * (off * off);
+  }
+};
+
+// E = ½K(c − c₀)²/(1 − c²), c = cos θ; dE/dc = K(c − c₀)(1 − c c₀)/(1 − c²)²
+template <>
+struct Law<RestrictedAngle> {
+  static std::array<double, 2> numbers(const RestrictedAngle& t) { return {t.cosine, t.stiffness}; }
+
+  static HWY_INLINE V forces(const V3* x, const V* p, V3* f) {
+    V energy{};
+    cosine_forces(x, f, [p, &energy](V at) HWY_ATTR {
+      const V off = at - p[0], pull = p[1] * off / (1 - at * at);
+      energy = 0.5 * pull * off;
+      return pull * (1 - at * p[0]) / (1 - at * at);
+    });
+    return energy;
   }
 };
 
@@ -212,6 +244,35 @@ struct Law<TurnedTorsion> {
       const V moment = p[0] * turn;
       return TorsionEnergy{0.5 * moment * turn, moment};
     });
+  }
+};
+
+// With F, G, A and B as above, |A| = |F||G| sin θ₁ and |B| = |H||G| sin θ₂, so that with p = |A||B| and c = A·B/p = cos φ
+//     E = W p³ P(c),  W = (|F| G² |H|)⁻³,  P = Σ c_n cⁿ
+//     ∂E/∂A = W((3P − cP') p B² A + P' p² B),  ∂E/∂B = W((3P − cP') p A² B + P' p² A)
+// which are zero where three atoms are in line.
+template <>
+struct Law<BendingTorsion> {
+  static const std::array<double, 5>& numbers(const BendingTorsion& t) { return t.c; }
+
+  static HWY_INLINE V forces(const V3* x, const V* n, V3* f) {
+    const V3 F = x[0] - x[1], G = x[1] - x[2], H = x[3] - x[2], A = cross(F, G), B = cross(H, G);
+    const V f2 = dot(F, F), g2 = dot(G, G), h2 = dot(H, H), a2 = dot(A, A), b2 = dot(B, B);
+    const V p2 = a2 * b2, p = hn::Sqrt(p2), c = hn::IfThenZeroElse(p == 0, dot(A, B) / p);
+    V value = n[4], slope = broadcast(0);  // Horner
+    for (int k = 3; k >= 0; --k) {
+      slope = slope * c + value;
+      value = value * c + n[k];
+    }
+    const V inverse = 1 / (f2 * g2 * g2 * h2), W = inverse * hn::Sqrt(inverse);
+    const V energy = W * p2 * p * value, along = W * p * (3 * value - c * slope), across = W * p2 * slope;
+    const V3 a = along * b2 * A + across * B, b = along * a2 * B + across * A;
+    f[0] = 3 * energy / f2 * F - cross(G, a);
+    f[3] = 3 * energy / h2 * H - cross(G, b);
+    const V3 of_g = cross(a, F) + cross(b, H) - 6 * energy / g2 * G;
+    f[1] = -(f[0] + of_g);
+    f[2] = of_g - f[3];
+    return energy;
   }
 };
 

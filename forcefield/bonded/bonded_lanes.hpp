@@ -28,8 +28,9 @@ struct TurnedTorsion {
 using TermSpan =
     std::variant<std::span<const HarmonicBond>, std::span<const Fene>, std::span<const PairException>,
                  std::span<const HarmonicAngle>, std::span<const CosineAngle>,
-                 std::span<const CosineSquaredAngle>, std::span<const ExpandedTorsion>,
-                 std::span<const RyckaertBellemans>, std::span<const TurnedTorsion>>;
+                 std::span<const CosineSquaredAngle>, std::span<const RestrictedAngle>,
+                 std::span<const ExpandedTorsion>, std::span<const RyckaertBellemans>,
+                 std::span<const TurnedTorsion>, std::span<const BendingTorsion>, std::span<const FieldPair>>;
 
 // Adds the forces of the terms to f and returns their energy [kJ/mol], one term a lane of a vector; NaN where a FENE bond
 // is broken. Molecules are whole in x, so separations are plain differences. Where an end atom of a torsion lies on the

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "md/step_parts.hpp"
-#include "md/units.hpp"
 
 namespace taut {
 namespace {
@@ -21,11 +20,12 @@ Pme::Pme(const Nonbonded& nb, Precision precision, std::vector<Reach> reach)
       screening_(alpha_, *nb.cutoff, {.error = precision == Precision::kMixed ? kMixedError : 1e-15}),
       reach_(std::move(reach)),
       total_(nb.charge.sum()),
-      constant_(-kCoulomb * alpha_ / std::sqrt(std::numbers::pi) * nb.charge.squaredNorm()),
-      mesh_(std::sqrt(kCoulomb) * nb.charge, *nb.pme, precision) {
+      constant_(-nb.coulomb() * alpha_ / std::sqrt(std::numbers::pi) * nb.charge.squaredNorm()),
+      coulomb_(nb.coulomb()),
+      mesh_(std::sqrt(nb.coulomb()) * nb.charge, *nb.pme, precision) {
   for (const auto& e : nb.exceptions)
     if (const double qq = nb.charge[e.i] * nb.charge[e.j]; qq != 0)
-      excluded_.push_back({e.i, e.j, kCoulomb * qq});
+      excluded_.push_back({e.i, e.j, nb.coulomb() * qq});
   std::ranges::stable_sort(excluded_, kByLowestAtom);
   cuts_ = Pieces({excluded_.begin(), excluded_.end()}, kPairsOfPiece);
   start_ = cuts_.starts_of(excluded_);
@@ -33,7 +33,7 @@ Pme::Pme(const Nonbonded& nb, Precision precision, std::vector<Reach> reach)
 }
 
 void Pme::set_box(const Box& box) {
-  background_ = -kCoulomb * std::numbers::pi * total_ * total_ / (2 * box.volume() * alpha_ * alpha_);
+  background_ = -coulomb_ * std::numbers::pi * total_ * total_ / (2 * box.volume() * alpha_ * alpha_);
   mesh_.set_box(box);
   box_ = box;
 }

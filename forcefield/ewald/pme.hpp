@@ -62,6 +62,7 @@ class Pme {
   Box box_;
   double total_;  // Q [e]
   double constant_, background_ = 0;
+  double coulomb_;  // [kJ/mol·nm/e²]
   std::vector<Excluded> excluded_;
   Pieces cuts_;
   std::vector<int> start_;  // of its pieces in excluded_

@@ -20,10 +20,11 @@ enum class Mixing { kOneSigma, kTwoSigmas, kTable };
 //     LJ:       4ε((σ/r)¹² − (σ/r)⁶) S(r),   σ = ½(σ_i + σ_j), ε = √(ε_i ε_j)   (Lorentz–Berthelot)
 //     switch:   S = 1 − 6x⁵ + 15x⁴ − 10x³, x = (r − rs)/(rc − rs); 1 below rs
 //     Coulomb:  k q_i q_j (1/r + k_rf r² − c_rf), k_rf = (ε−1)/((2ε+1)rc³), c_rf = 3ε/((2ε+1)rc)
-//               (Tironi et al. 1995, doi:10.1063/1.469273); without a cutoff both are zero
+//               (k is divided by what is between charges; Tironi et al. 1995, doi:10.1063/1.469273); without a cutoff both are zero
 //     or        k q_i q_j erfc(αr)/r, Ewald's real space, by ewald/screening.hpp
 //     WCA:      4ε((σ/r)¹² − (σ/r)⁶) + ε up to 2^(1/6)σ, its minimum, where energy and force reach zero
 //               (Weeks, Chandler and Andersen 1971, doi:10.1063/1.1674820)
+//     shifted: LJ less its value at the cutoff
 //     LJ by a table: a/r¹² − b/r⁶, a and b of the atoms' types
 // A pair interacts by what both its atoms have: Lennard-Jones, charge or both.
 struct PairLaw {
@@ -32,12 +33,18 @@ struct PairLaw {
   double sigma = 0;                                         // the one [nm]
   double types = 0;                                         // of the table: its lines are as long
   double energy_shift = 0;                                  // of a pair's energy, in units of ε: 1 for WCA
+  double shift_inv_r6 = 0;                                  // rc⁻⁶ where LJ is shifted, else 0 [1/nm⁶]
   double cutoff = std::numeric_limits<double>::infinity();  // [nm]
   double switch_distance = std::numeric_limits<double>::infinity();  // [nm]
   double k_rf = 0, c_rf = 0;                                         // [1/nm³], [1/nm]
   Screening screening;                                               // with Ewald's sum
 
   bool switched() const { return lj && switch_distance < cutoff; }
+  // What raises a pair's energy, in units of 4ε, where all have one σ.
+  double raised() const {
+    const double s6 = sigma6() * shift_inv_r6;
+    return energy_shift / 4 + (s6 - s6 * s6);
+  }
   double sigma6() const { return sigma * sigma * sigma * sigma * sigma * sigma; }
 };
 

@@ -63,7 +63,8 @@ class LawInLanes {
         sigma6_(set(law.sigma6())),
         six_sigma6_(set(kSix * law.sigma6())),
         twelve_sigma12_(set(kTwelve * law.sigma6() * law.sigma6())),
-        energy_shift_(set(law.energy_shift / 4)),
+        raised_(set(law.raised())),
+        shift_inv_r6_(set(law.shift_inv_r6)),
         screen_(law.screening.scale, choice.energy() ? law.screening.energy : law.screening.force, kScale) {
     if (choice.switched && law.switched()) {
       const double width = law.cutoff - law.switch_distance;
@@ -206,14 +207,16 @@ class LawInLanes {
       inv_r4 = inv_r2 * inv_r2;
       inv_r6 = inv_r4 * inv_r2;
     }
-    V slope{}, energy{}, four_eps{};
+    V slope{}, energy{}, raised{};
     constexpr bool needs_slope = !choice.energy() || choice.switched,
                    needs_energy = choice.energy() || choice.switched;
     if constexpr (choice.table()) {
       const auto at = place_in_table(atoms.line + j.type);
-      const V b = hn::GatherIndex(d, table_b_, at), a_over_r6 = hn::GatherIndex(d, table_a_, at) * inv_r6;
+      const V b = hn::GatherIndex(d, table_b_, at), a = hn::GatherIndex(d, table_a_, at);
+      const V a_over_r6 = a * inv_r6;
       if constexpr (needs_slope) slope = inv_r4 * inv_r4 * hn::MulSub(set(kTwelve), a_over_r6, T(kSix) * b);
       if constexpr (needs_energy) energy = inv_r6 * (a_over_r6 - b);
+      if constexpr (choice.energy()) raised = shift_inv_r6_ * (b - a * shift_inv_r6_);
     } else {
       if constexpr (choice.one_sigma() && !choice.switched && !choice.energy())
         return inv_r4 * (inv_r4 * j.eps) * (atoms.repulsion * inv_r6 - atoms.attraction);
@@ -229,14 +232,22 @@ class LawInLanes {
           s6 = s2 * s2 * s2;
         }
       }
-      four_eps = atoms.eps * j.eps;
-      const V depth = four_eps * s6;
+      const V four_eps = atoms.eps * j.eps, depth = four_eps * s6;
       if constexpr (needs_slope) slope = depth * (T(kTwelve) * s6 - T(kSix)) * inv_r2;
       if constexpr (needs_energy) energy = depth * s6 - depth;
+      if constexpr (choice.energy()) raised = raised_of(atoms, j) * four_eps;
     }
     if constexpr (choice.switched) apply_switch(r2, inverse, slope, energy);
     if constexpr (!choice.energy()) return slope;
-    return choice.table() ? energy : energy + energy_shift_ * four_eps;
+    return energy + raised;
+  }
+
+  // In units of 4ε.
+  HWY_INLINE V raised_of(const Atoms& atoms, const Column& j) const {
+    if constexpr (choice.one_sigma()) return raised_;
+    const V sigma = atoms.half_sigma + j.half_sigma, sigma2 = sigma * sigma;
+    const V s6 = sigma2 * sigma2 * sigma2 * shift_inv_r6_;
+    return s6 - s6 * s6;
   }
 
   // S = 1 − u³(10 − 15u + 6u²), S' = −30 (u − u²)²; the force gains −E S'/r
@@ -263,7 +274,7 @@ class LawInLanes {
   const T* HWY_RESTRICT table_a_;
   const T* HWY_RESTRICT table_b_;
   V types_;
-  V k_rf_, two_k_rf_, c_rf_, sigma6_, six_sigma6_, twelve_sigma12_, energy_shift_;
+  V k_rf_, two_k_rf_, c_rf_, sigma6_, six_sigma6_, twelve_sigma12_, raised_, shift_inv_r6_;
   V start_{}, inv_width_{}, slope_width_{};
   ScreenInLanes<D, choice.fine> screen_;
 };

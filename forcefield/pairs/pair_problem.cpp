@@ -4,8 +4,6 @@
 #include <cmath>
 #include <map>
 
-#include "md/units.hpp"
-
 namespace taut {
 namespace {
 
@@ -84,19 +82,20 @@ PairProblem problem_of(const Nonbonded& nb, bool periodic, Precision precision) 
   p.law.cutoff = nb.cutoff.value_or(kInfinity);
   p.law.switch_distance = nb.switch_distance.value_or(kInfinity);
   if (nb.cutoff) {
-    const double rc = *nb.cutoff, eps = nb.rf_dielectric;
+    const double rc = *nb.cutoff;
+    if (nb.shifted) p.law.shift_inv_r6 = std::pow(rc, -6);
     if (nb.pme) {
       p.law.screening =
           Screening(nb.pme->alpha, rc,
                     precision == Precision::kDouble ? screening_fit<double>() : screening_fit<float>());
     } else {
-      p.law.k_rf = (eps - 1) / ((2 * eps + 1) * rc * rc * rc);
-      p.law.c_rf = 3 * eps / ((2 * eps + 1) * rc);
+      p.law.k_rf = nb.reaction_field().k;
+      p.law.c_rf = nb.reaction_field().c;
     }
     p.periodic = periodic;  // without a cutoff there are no images
     choose_buffers(p, {.way = 0.007, .spare = 0.006, .outer = 0.54});
   }
-  p.charge = std::sqrt(kCoulomb) * nb.charge;
+  p.charge = std::sqrt(nb.coulomb()) * nb.charge;
   p.half_sigma = 0.5 * nb.sigma;
   p.two_sqrt_epsilon = 2 * nb.epsilon.cwiseSqrt();
   for (const auto& e : nb.exceptions) p.exclusions.push_back({e.i, e.j});

@@ -18,8 +18,6 @@
 namespace taut {
 namespace {
 
-constexpr Range kDielectric{.min = 1};
-
 struct Kind {
   std::string_view name;
   void (*build)(const BuildRequest&, Scene&);
@@ -60,8 +58,9 @@ const char* misfit(const State& start, const Scene& scene) {
 void refuse_idle_pair_keys(const TomlTable& forcefield, Scene& scene) {
   if (scene.terms.nonbonded) return;
   const bool wca = scene.terms.wca.has_value();
-  for (const char* key : {"cutoff_nm", "switch_nm", "dispersion_correction", "coulomb", "rf_dielectric",
-                          "ewald_tolerance", "ewald_alpha_per_nm", "pme_order", "pme_grid"}) {
+  for (const char* key :
+       {"cutoff_nm", "switch_nm", "shift", "dispersion_correction", "coulomb", "dielectric", "rf_dielectric",
+        "rf_excluded", "ewald_tolerance", "ewald_alpha_per_nm", "pme_order", "pme_grid"}) {
     if (!forcefield.has(key)) continue;
     if (wca && forcefield.overridden("pair") && !forcefield.overridden(key))
       scene.notes.push_back(
@@ -148,18 +147,28 @@ namespace {
 // stays; a new tolerance determines α and the grid anew.
 struct Coulomb {
   std::string kind;
-  double rf_dielectric;
+  double dielectric, rf_dielectric;  // the latter 0 where it is infinite
+  bool rf_excluded;
   PmeParameters pme;
   std::optional<double> alpha;
   std::optional<Vec3> grid;
 
   Coulomb(const TomlTable& keys, const Nonbonded& given)
-      : kind(kind_of(given)), rf_dielectric(given.rf_dielectric), pme(given.pme.value_or(PmeParameters{})) {
+      : kind(kind_of(given)),
+        dielectric(given.dielectric),
+        rf_dielectric(std::isinf(given.rf_dielectric) ? 0 : given.rf_dielectric),
+        rf_excluded(given.rf_excluded),
+        pme(given.pme.value_or(PmeParameters{})) {
     if (pme.alpha > 0 && !keys.has("ewald_tolerance")) alpha = pme.alpha;
     if (pme.grid[0] > 0 && !keys.has("ewald_tolerance")) grid = Vec3(pme.grid[0], pme.grid[1], pme.grid[2]);
     keys.read("coulomb", kind, {"between charges", {"reaction-field", "cutoff", "pme"}});
+    keys.read("dielectric", dielectric, {"ε by which all Coulomb energies are divided", kPositive});
     keys.read("rf_dielectric", rf_dielectric,
-              {"ε of the reaction field beyond the cutoff; 1: a shifted cutoff", kDielectric});
+              {"ε of the reaction field beyond the cutoff; 0: infinite; 1: a shifted cutoff", kNotNegative});
+    if (rf_dielectric > 0 && rf_dielectric < 1)
+      keys.fail("rf_dielectric", fmt::format("{}, expected 1 or more, or 0 for infinite", rf_dielectric));
+    keys.read("rf_excluded", rf_excluded,
+              {"the field also between excluded charges and of each on itself, as in GROMACS"});
     keys.read("ewald_tolerance", pme.tolerance,
               {"about what forces are wrong by, as a share; gives α and grid", kPositive});
     keys.read("ewald_alpha_per_nm", alpha,
@@ -179,17 +188,22 @@ void read_coulomb(const TomlTable& forcefield, const Box& box, Nonbonded& nonbon
   const bool charged = (nonbonded.charge.array() != 0).any();
   forcefield.require_effect("rf_dielectric", nonbonded.cutoff && charged,
                             "between charges, with forcefield.cutoff_nm");
-  forcefield.require_effect("coulomb", charged, "between charges");
+  for (const char* key : {"coulomb", "dielectric"})
+    forcefield.require_effect(key, charged, "between charges");
   const bool field = coulomb.kind == "reaction-field", pme = coulomb.kind == "pme";
   if (forcefield.overridden("rf_dielectric") ||
       !forcefield.overridden("coulomb"))  // else it replaces the file's
     forcefield.require_effect("rf_dielectric", field, "with forcefield.coulomb = \"reaction-field\"");
+  forcefield.require_effect("rf_excluded", nonbonded.cutoff && charged && coulomb.kind != "pme",
+                            "between charges, with forcefield.cutoff_nm, without pme");
   for (const char* key : {"ewald_tolerance", "ewald_alpha_per_nm", "pme_order", "pme_grid"})
     forcefield.require_effect(key, pme, "with forcefield.coulomb = \"pme\"");
   forcefield.require_effect("ewald_tolerance",
                             !(forcefield.has("ewald_alpha_per_nm") && forcefield.has("pme_grid")),
                             "where ewald_alpha_per_nm or pme_grid is left to it");
-  if (field) nonbonded.rf_dielectric = coulomb.rf_dielectric;
+  nonbonded.dielectric = coulomb.dielectric;
+  nonbonded.rf_excluded = coulomb.rf_excluded && !pme;
+  if (field) nonbonded.rf_dielectric = coulomb.rf_dielectric == 0 ? HUGE_VAL : coulomb.rf_dielectric;
   if (coulomb.kind == "cutoff") nonbonded.rf_dielectric = 1;
   if (!field && !nonbonded.cutoff)
     forcefield.fail("coulomb", fmt::format("{} needs forcefield.cutoff_nm", coulomb.kind));
@@ -222,11 +236,18 @@ void read_cutoff(const TomlTable& forcefield, const Box& box, Nonbonded& nonbond
                   {"pair forces end there; required with a box, at most half of it", "nm", kPositive});
   forcefield.read("switch_nm", nonbonded.switch_distance,
                   {"Lennard-Jones is switched to zero from there to the cutoff", "nm", kPositive});
+  forcefield.read("shift", nonbonded.shifted, {"Lennard-Jones of each pair is raised to zero at the cutoff"});
   forcefield.read("dispersion_correction", nonbonded.dispersion_correction,
                   {"Lennard-Jones beyond the cutoff, on the average"});
   read_coulomb(forcefield, box, nonbonded);
   if (nonbonded.switch_distance && !(nonbonded.cutoff && *nonbonded.switch_distance < *nonbonded.cutoff))
     forcefield.fail("switch_nm", "expected less than forcefield.cutoff_nm");
+  if (nonbonded.shifted && !nonbonded.cutoff) forcefield.fail("shift", "needs forcefield.cutoff_nm");
+  for (const auto& [there, key] : {std::pair{nonbonded.switch_distance.has_value(), "switch_nm"},
+                                   std::pair{nonbonded.dispersion_correction, "dispersion_correction"}})
+    if (nonbonded.shifted && there)
+      forcefield.fail("shift",
+                      fmt::format("raises what ends at the cutoff; leave it or forcefield.{} out", key));
   if (nonbonded.dispersion_correction && !(nonbonded.cutoff && box.periodic()))
     forcefield.fail("dispersion_correction", "needs a box and a cutoff");
   if (!box.periodic()) return;

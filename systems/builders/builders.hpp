@@ -59,8 +59,8 @@ int atoms_of(const TomlTable& keys, std::string_view key, double copies, double 
 // The names of beads, which have no element.
 Names bead_names(int polymers, int beads);
 
-// The pair forces' keys: cutoff_nm, switch_nm, dispersion_correction; coulomb = "reaction-field" with
-// rf_dielectric, "cutoff", or "pme" with ewald_tolerance, ewald_alpha_per_nm, pme_order, pme_grid. With a box
+// The pair forces' keys: cutoff_nm, switch_nm, shift, dispersion_correction; dielectric; coulomb = "reaction-field" with
+// rf_dielectric and rf_excluded, "cutoff", or "pme" with ewald_tolerance, ewald_alpha_per_nm, pme_order, pme_grid. With a box
 // the cutoff is required, and at most half the box. Without a key the value of `nonbonded` stays.
 void read_cutoff(const TomlTable& forcefield, const Box& box, Nonbonded& nonbonded);
 

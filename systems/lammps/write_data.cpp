@@ -63,6 +63,12 @@ class Writer {
                       sys.sites.front().atom));
     if (!sys.one_sided.empty()) refuse_for_lammps("at_least and at_most hold bonds from one side");
     if (!terms.cmaps.empty()) refuse_for_lammps("correction maps");
+    if (!terms.restricted_angles.empty() || !terms.bending_torsions.empty())
+      refuse_for_lammps("restricted angles and combined bending-torsions");
+    if (terms.nonbonded && (terms.nonbonded->shifted || terms.nonbonded->dielectric != 1))
+      refuse_for_lammps(
+          "forcefield.shift and forcefield.dielectric; leave them out, and add pair_modify shift yes "
+          "and dielectric to the input by hand");
     if (terms.wca && terms.nonbonded && !terms.nonbonded->charge.isZero(0))
       refuse_for_lammps("charges beside forcefield.pair = \"wca\"");
     if (terms.tabulated_pairs && terms.nonbonded && !terms.nonbonded->charge.isZero(0))

@@ -94,6 +94,8 @@ std::vector<Bend> list_bends(const Molecule& molecule) {
   for (const auto& [i, j, k, angle, stiffness] : molecule.terms.angles) all.push_back({i, j, k, angle});
   for (const auto& [i, j, k, cosine, stiffness] : molecule.terms.cosine_squared_angles)
     all.push_back({i, j, k, std::acos(std::clamp(cosine, -1.0, 1.0))});
+  for (const auto& [i, j, k, cosine, stiffness] : molecule.terms.restricted_angles)
+    all.push_back({i, j, k, std::acos(std::clamp(cosine, -1.0, 1.0))});
   for (const auto& [i, j, k, energy] : molecule.terms.tabulated_angles)
     all.push_back({i, j, k, energy->place_of_least()});
   return all;

@@ -105,8 +105,8 @@ bool read_rigid(const TomlTable& keys) {
   keys.read("rigid", rigid, "all atoms are one rigid body; needs coordinates_nm or file");
   for (const char* key :
        {"virtual_sites2", "virtual_sites3", "virtual_sites3out", "bonds", "at_least", "at_most", "springs",
-        "fene", "angles", "cosine_angles", "cosine_squared_angles", "tables", "torsions", "rb_torsions",
-        "impropers", "exclude", "lennard_jones_14", "coulomb_14"})
+        "fene", "angles", "cosine_angles", "cosine_squared_angles", "restricted_angles", "tables", "torsions",
+        "rb_torsions", "impropers", "exclude", "lennard_jones_14", "coulomb_14"})
     if (rigid && keys.has(key))
       keys.fail(key, "has no effect beside rigid = true, which holds all atoms together; leave one out");
   return rigid;
@@ -138,6 +138,13 @@ void read_bends(const TomlTable& keys, RowReader& rows, Terms& terms) {
     if (number[0] < 0 || number[0] > 180 || number[1] < 0)
       keys.fail("cosine_squared_angles", line, "expected an angle of 0 to 180 degrees, and K of 0 or more");
     terms.cosine_squared_angles.push_back({a[0], a[1], a[2], std::cos(radians(number[0])), number[1]});
+  }
+  for (const auto& [line, a, number] :
+       rows.read("restricted_angles", 3, 2,
+                 "[i, j, k, angle in °, K in kJ/mol] each: ½K(cos θ − cos angle)²/sin²θ")) {
+    if (number[0] <= 0 || number[0] >= 180 || number[1] < 0)
+      keys.fail("restricted_angles", line, "expected an angle between 0 and 180 degrees, and K of 0 or more");
+    terms.restricted_angles.push_back({a[0], a[1], a[2], std::cos(radians(number[0])), number[1]});
   }
   for (const auto& [line, a, number] :
        rows.read("torsions", 4, 3, "[i, j, k, l, n, phase in °, k in kJ/mol] each: k(1 + cos(nφ − phase))")) {

@@ -181,6 +181,7 @@ std::vector<BondedPair> further_bonds(const System& sys, const Terms& terms) {
   for (const auto& angle : terms.angles) ends.insert(std::minmax(angle.i, angle.k));
   for (const auto& angle : terms.cosine_angles) ends.insert(std::minmax(angle.i, angle.k));
   for (const auto& angle : terms.cosine_squared_angles) ends.insert(std::minmax(angle.i, angle.k));
+  for (const auto& angle : terms.restricted_angles) ends.insert(std::minmax(angle.i, angle.k));
   for (const auto& angle : terms.tabulated_angles) ends.insert(std::minmax(angle.i, angle.k));
   std::vector<BondedPair> pairs;
   for (const auto& spring : terms.bonds)

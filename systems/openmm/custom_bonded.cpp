@@ -39,6 +39,15 @@ void add_pair_of_powers(OpenMMForce& to, const CustomForce& p, const Atoms& a, c
   to.pairs.push_back({a[0], a[1], 0, std::pow(A / C, 1.0 / 6), C * C / (4 * A)});
 }
 
+void add_excluded_charges(OpenMMForce& to, const CustomForce& p, const Atoms& a, const Element&) {
+  to.excluded_charges.push_back({a[0], a[1], p.factor() * p["q"], p["cut"]});
+}
+
+// martini_openmm writes these forces whether or not a molecule has such pairs.
+void refuse_cut_pair(OpenMMForce&, const CustomForce&, const Atoms& a, const Element& at) {
+  at.refuse(fmt::format("ends the pair {}-{} at a cutoff: taut's exceptions have none", a[0], a[1]));
+}
+
 const std::vector<Bonded> kBonds = {
     {{kFeneEnergy, {{"k"}, {"r0"}}},
      [](OpenMMForce& to, const CustomForce& p, const Atoms& a, const Element&) {
@@ -52,7 +61,10 @@ const std::vector<Bonded> kBonds = {
      [](OpenMMForce& to, const CustomForce& p, const Atoms& a, const Element&) {
        to.pairs.push_back({a[0], a[1], 0, p["sigma"], p.factor() * p["epsilon"]});
      }},
-    {{"A/r^12-C/r^6", {{"A"}, {"C"}}}, add_pair_of_powers}};
+    {{"A/r^12-C/r^6", {{"A"}, {"C"}}}, add_pair_of_powers},
+    {{kExcludedFieldEnergy, {{"q"}, {"cut", 0}}}, add_excluded_charges},
+    {{"step(cut-r)*q*(1/r+r^2/(2*cut^3)-3/(2*cut))", {{"q"}, {"cut", 0}}}, refuse_cut_pair},
+    {{"step(cut-r)*(A*(1/r^12-1/cut^12)-C*(1/r^6-1/cut^6))", {{"A"}, {"C"}, {"cut", 0}}}, refuse_cut_pair}};
 const std::vector<Bonded> kAngles = {
     {{"0.5*k*(theta-theta0)^2", {{"k"}, {"theta0"}}},
      [](OpenMMForce& to, const CustomForce& p, const Atoms& a, const Element&) {
@@ -70,6 +82,14 @@ const std::vector<Bonded> kAngles = {
      [](OpenMMForce& to, const CustomForce& p, const Atoms& a, const Element&) {
        to.terms.cosine_squared_angles.push_back(
            {a[0], a[1], a[2], std::cos(p["theta0"]), p.factor() * p["k"]});
+     }},
+    {{kRestrictedEnergy, {{"k"}, {"c0"}}},
+     [](OpenMMForce& to, const CustomForce& p, const Atoms& a, const Element&) {
+       to.terms.restricted_angles.push_back({a[0], a[1], a[2], p["c0"], p.factor() * p["k"]});
+     }},
+    {{"0.5*k*(cos(theta)-cos(theta0))^2/sin(theta)^2", {{"k"}, {"theta0"}}},
+     [](OpenMMForce& to, const CustomForce& p, const Atoms& a, const Element&) {
+       to.terms.restricted_angles.push_back({a[0], a[1], a[2], std::cos(p["theta0"]), p.factor() * p["k"]});
      }}};
 const std::vector<Bonded> kTorsions = {
     {{kTorsionEnergy, {{"k"}, {"theta0", -pi, pi}}}, add_harmonic_torsion},

@@ -2,6 +2,8 @@
 
 #include <array>
 #include <map>
+#include <numbers>
+#include <regex>
 
 #include "systems/openmm/custom.hpp"
 #include "systems/openmm/formulas.hpp"
@@ -9,6 +11,40 @@
 #include "systems/openmm/terms.hpp"
 
 namespace taut {
+namespace {
+
+using std::numbers::pi;
+
+// Returns an energy of two angles and a torsion of four particles as one of u, w and v.
+std::string of_bends_and_turn(std::string energy) {
+  constexpr std::array kCalls = {
+      std::pair{R"(\bangle\s*\(\s*(p1\s*,\s*p2\s*,\s*p3|p3\s*,\s*p2\s*,\s*p1)\s*\))", "u"},
+      std::pair{R"(\bangle\s*\(\s*(p2\s*,\s*p3\s*,\s*p4|p4\s*,\s*p3\s*,\s*p2)\s*\))", "w"},
+      std::pair{R"(\bdihedral\s*\(\s*(p1\s*,\s*p2\s*,\s*p3\s*,\s*p4|p4\s*,\s*p3\s*,\s*p2\s*,\s*p1)\s*\))",
+                "v"}};
+  for (const auto& [call, letter] : kCalls) energy = std::regex_replace(energy, std::regex(call), letter);
+  return energy;
+}
+
+void read_bending_torsions(const ForceReading& r, const std::string& energy) {
+  static const std::vector<KnownEnergy> kKnown = {
+      {of_bends_and_turn(kBendingTorsionEnergy), {{"k"}, {"a0"}, {"a1"}, {"a2"}, {"a3"}, {"a4"}}}};
+  CustomForce p(r, {"PerBondParameters", {{"u", 0, pi}, {"w", 0, pi}, {"v", -pi, pi}}},
+                of_bends_and_turn(energy));
+  if (p.recognize(kKnown) < 0)
+    r.force.refuse(
+        fmt::format("of 4 particles has the energy {}: taut knows {}", energy, kBendingTorsionEnergy));
+  r.force.part("Bonds").each("Bond", [&](const Element& term) {
+    BendingTorsion t{};
+    p.read(term, term_fields(t, r.system.atoms(), {}));
+    constexpr std::array kNames = {"a0", "a1", "a2", "a3", "a4"};
+    for (std::size_t n = 0; n < kNames.size(); ++n) t.c[n] = p.factor() * p["k"] * p[kNames[n]];
+    r.to.terms.bending_torsions.push_back(t);
+  });
+}
+
+}  // namespace
+
 void read_custom_compound(const ForceReading& r) {
   std::string energy;
   int particles = 0;
@@ -20,6 +56,7 @@ void read_custom_compound(const ForceReading& r) {
   refuse_any(r.force, {"EnergyParameterDerivatives"});
   Splines splines;
   const Expression::Tables functions = read_functions(r.force, splines);
+  if (particles == 4) return read_bending_torsions(r, energy);
   const auto refuse = [&] {
     r.force.refuse(
         fmt::format("of {} particles has the energy {}: taut knows {} of two and {} of three, of a "

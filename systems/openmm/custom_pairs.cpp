@@ -10,6 +10,7 @@
 #include "systems/openmm/custom.hpp"
 #include "systems/openmm/formulas.hpp"
 #include "systems/openmm/functions.hpp"
+#include "systems/openmm/pair_energy.hpp"
 #include "systems/openmm/terms.hpp"
 
 namespace taut {
@@ -22,7 +23,8 @@ constexpr const char* kRemedy = "; to switch Lennard-Jones off give the force a 
 const std::vector<KnownEnergy>& known() {
   static const std::vector<KnownEnergy> kAll = {
       {kWcaEnergy, {{"sigma"}, {"epsilon"}}, "1.122462048309373*sigma-r"},
-      {kLennardJonesEnergy, {}}};  // known by its values, below
+      {kLennardJonesEnergy, {}},  // these are known by their values, below
+      {kCutPairsEnergy, {}}};
   return kAll;
 }
 
@@ -34,32 +36,7 @@ double largest_jump(const TabulatedPairs& pairs) {
 }
 
 constexpr double kFarther = std::numeric_limits<double>::infinity();
-
-// Finds a and b of an energy a/r¹² − b/r⁶: b from a large distance, a from a small one. Between them the
-// energy must agree.
-struct PowerLaw {
-  bool fits = true;
-  double a, b;
-
-  template <class Energy>
-  explicit PowerLaw(const Energy& energy) {
-    const auto inv_r6 = [](double r) { return std::pow(r, -6); };
-    constexpr double kFar = 1e3, kClose = 1e-3;  // [nm]
-    b = -energy(kFar) / inv_r6(kFar);
-    a = (energy(kClose) / inv_r6(kClose) + b) / inv_r6(kClose);
-    if (std::abs(a) < 1e-20 * std::abs(b)) a = 0;  // a is rounding error
-    if (std::abs(b) < 1e-12 * std::abs(a)) b = 0;
-    for (const double r : {0.02, 0.1, 0.17, 0.25, 0.33, 0.41, 0.6, 0.9, 1.2, 3.0}) {
-      const double u = inv_r6(r);
-      fits = fits && std::abs(energy(r) - (a * u - b) * u) <= 1e-9 * (std::abs(a * u) + std::abs(b)) * u;
-    }
-  }
-  Expression::Rough up_to(double reach, double r) const {
-    if (!(r < reach)) return {0, kFarther};
-    const double u = std::pow(r, -6);
-    return {(a * u - b) * u, 1e-9 * (std::abs(a * u) + std::abs(b)) * u};
-  }
-};
+constexpr double kAnything = std::numeric_limits<double>::max() / 8;
 
 // The atoms that are in no group where there is one, of atoms with themselves.
 std::vector<int> read_without(const ForceReading& r) {
@@ -115,36 +92,127 @@ AtomTypes read_types(const ForceReading& r, CustomForce& p, std::vector<int>& of
 constexpr const char* kNotMutual =
     "has another energy between two atoms when they are named the other way round";
 
-void read_powers(const ForceReading& r, CustomForce& p, double reach, LennardJonesTable& table) {
-  const AtomTypes types = read_types(r, p, table.type);
-  const auto n = static_cast<Eigen::Index>(types.size());
-  table.a = table.b = Eigen::MatrixXd::Zero(n, n);
-  for (const auto& one : types)
-    for (const auto& two : types) {
-      const PowerLaw law([&](double at) { return p.pair_energy(one.first, two.first, at); });
-      const auto within_reach = [&](double at) { return law.up_to(reach, at); };
-      if (!law.fits || (p.branches() && !p.is(within_reach, one.first, two.first)))
-        p.refuse_energy(known(), kRemedy);
-      table.a(one.second, two.second) = law.a;
-      table.b(one.second, two.second) = law.b;
+// The energy of each pair of types.
+class PairsOfTypes {
+ public:
+  PairsOfTypes(const ForceReading& r, const CustomForce& p, AtomTypes types, std::optional<double> reach)
+      : r_(r), p_(p), types_(std::move(types)), reach_(reach), laws_(types_.size() * types_.size()) {
+    for (const auto& one : types_)
+      for (const auto& two : types_) {
+        const auto law =
+            PairEnergy::of([&](double at) { return p.pair_energy(one.first, two.first, at); }, reach);
+        const auto within_reach = [&](double at) {  // beyond it anything is right
+          return at < reach.value_or(kFarther) ? law->at(at) : Expression::Rough{0, kAnything};
+        };
+        if (!law || (p.branches() && !p.is(within_reach, one.first, two.first))) refuse();
+        at(one.second, two.second) = *law;
+      }
+  }
+
+  void read(Nonbonded& to) {
+    const auto n = static_cast<Eigen::Index>(types_.size());
+    LennardJonesTable& table = *to.lj_table;
+    table.a = table.b = Eigen::MatrixXd::Zero(n, n);
+    bool charged = false;
+    for_each([&](int i, int j, const PairEnergy& law) {
+      const PairEnergy& back = at(j, i);
+      const auto even = [](double x, double y) { return std::abs(x - y) <= 1e-11 * std::abs(x); };
+      if (!even(law.a, back.a) || !even(law.b, back.b) || !even(law.q, back.q)) r_.force.refuse(kNotMutual);
+      table.a(i, j) = law.a;
+      table.b(i, j) = law.b;
+      charged |= law.q != 0;
+    });
+    if (charged) read_charges(to);
+    read_ends(to);
+  }
+
+ private:
+  [[noreturn]] void refuse() const { p_.refuse_energy(known(), kRemedy); }
+  PairEnergy& at(int i, int j) { return laws_[static_cast<std::size_t>(i) * types_.size() + j]; }
+  void for_each(const auto& use) {
+    for (int i = 0; i < std::ssize(types_); ++i)
+      for (int j = 0; j < std::ssize(types_); ++j) use(i, j, at(i, j));
+  }
+
+  // Charges are the parameter of the atoms that q is a product of.
+  void read_charges(Nonbonded& to) {
+    const auto parameters = static_cast<std::size_t>(std::ssize(types_.begin()->first));
+    for (std::size_t p = 0; p < parameters; ++p) {
+      std::vector<double> charge(types_.size());
+      for (const auto& [numbers, type] : types_) charge[static_cast<std::size_t>(type)] = numbers[p];
+      double strength = 0, most = 0;
+      for_each([&](int i, int j, const PairEnergy& law) {
+        const double qq = charge[i] * charge[j];
+        if (std::abs(qq) > std::abs(most)) most = qq, strength = law.q / qq;
+      });
+      bool all = strength > 0;
+      for_each([&](int i, int j, const PairEnergy& law) {
+        all = all && std::abs(law.q - strength * charge[i] * charge[j]) <= 1e-9 * strength * std::abs(most);
+      });
+      if (!all) continue;
+      to.dielectric = kCoulomb / strength;
+      to.charge.resize(std::ssize(to.lj_table->type));
+      for (Eigen::Index a = 0; a < to.charge.size(); ++a) to.charge[a] = charge[to.lj_table->type[a]];
+      return read_field(to);
     }
-  const auto uneven = [](const Eigen::MatrixXd& m) {
-    return ((m - m.transpose()).array().abs() > 1e-12 * m.array().abs()).any();
-  };
-  if (uneven(table.a) || uneven(table.b)) r.force.refuse(kNotMutual);
-}
+    refuse();
+  }
+
+  // k = k_rf q, and k_rf says the dielectric constant beyond the cutoff; infinity where that is rounding error.
+  void read_field(Nonbonded& to) {
+    const PairEnergy& strongest =
+        *std::ranges::max_element(laws_, {}, [](const PairEnergy& law) { return std::abs(law.q); });
+    const double k_rf = strongest.k / strongest.q;
+    for_each([&](int, int, const PairEnergy& law) {
+      if (!(std::abs(law.k - k_rf * law.q) <= 1e-9 * std::abs(strongest.k))) refuse();
+    });
+    if (!reach_) return k_rf == 0 ? void() : refuse();
+    const double ratio = k_rf * std::pow(*reach_, 3), rest = 1 - 2 * ratio;  // (ε − 1)/(2ε + 1)
+    if (!(ratio >= -1e-9 && rest >= -1e-9)) refuse();
+    to.rf_dielectric = rest < 1e-9 ? kFarther : std::max(1.0, (1 + ratio) / rest);
+  }
+
+  // What energies end with: charges at zero, Lennard-Jones as it is or at zero, too.
+  void read_ends(Nonbonded& to) {
+    const double u = reach_ ? std::pow(*reach_, -6) : 0;
+    const double c_rf = reach_ && to.charge.size() > 0 ? to.reaction_field().c : 0;
+    bool plain = true, shifted = reach_.has_value();
+    for_each([&](int, int, const PairEnergy& law) {
+      const double of_field = -c_rf * law.q, to_zero = -(law.a * u - law.b) * u;
+      const double slack =
+          1e-9 * (std::abs(of_field) + (std::abs(law.a) * u + std::abs(law.b)) * u + std::abs(law.e));
+      plain = plain && std::abs(law.e - of_field) <= slack;
+      shifted = shifted && std::abs(law.e - of_field - to_zero) <= slack;
+      if (to.charge.size() == 0 && law.k != 0) refuse();
+    });
+    if (!plain && !shifted) refuse();
+    to.shifted = !plain;
+  }
+
+  const ForceReading& r_;
+  const CustomForce& p_;
+  AtomTypes types_;
+  std::optional<double> reach_;
+  std::vector<PairEnergy> laws_;
+};
 
 void read_lennard_jones(const ForceReading& r, CustomForce& p, const CustomNonbondedXml& x) {
   Nonbonded& lj = r.to.lennard_jones.emplace();
-  const double reach = x.method == NonbondedXml::kNoCutoff ? kFarther : x.cutoff;
-  read_powers(r, p, reach, lj.lj_table.emplace());
+  if (x.method != NonbondedXml::kNoCutoff) lj.cutoff = x.cutoff;
+  AtomTypes types = read_types(r, p, lj.lj_table.emplace().type);
+  PairsOfTypes(r, p, std::move(types), lj.cutoff).read(lj);
   std::vector<std::array<int, 2>> exclusions;
   read_list(r.force, exclusions, r.system.atoms());
   for (const auto& [i, j] : exclusions) lj.exceptions.push_back({i, j, 0, 1, 0});
   lj.dispersion_correction = x.corrected && *r.to.periodic_pairs;
-  if (x.method == NonbondedXml::kNoCutoff) return;
-  lj.cutoff = x.cutoff;
-  if (x.switched) lj.switch_distance = x.switch_distance;
+  if (x.switched && lj.cutoff) lj.switch_distance = x.switch_distance;
+  if (lj.charge.size() == 0 && !lj.shifted) return;
+  if (lj.switch_distance)
+    r.force.refuse(
+        "has useSwitchingFunction=\"1\": taut switches Lennard-Jones alone, where it is not shifted");
+  if (lj.dispersion_correction)
+    r.force.refuse(
+        "has useLongRangeCorrection=\"1\": taut corrects Lennard-Jones alone, where it is not shifted");
 }
 
 bool is_zero(const Splines& splines, const std::function<double(double)>& energy) {

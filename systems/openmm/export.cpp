@@ -128,12 +128,15 @@ void write_nonbonded(Node forces, const Nonbonded& from, const Box& box) {
   for (const auto& [name, value] : NonbondedXml::kUnused) put(force, name, value);
   for (const char* list : NonbondedXml::kEmpty) force.append_child(list);
   Node particles = force.append_child("Particles");
+  const double less = std::sqrt(from.dielectric);  // of charges
   for (Eigen::Index a = 0; a < from.charge.size(); ++a) {
     const bool mixed = !from.lj_table;
-    SiteXml site{from.charge[a], mixed ? from.sigma[a] : 1, mixed ? from.epsilon[a] : 0};
+    SiteXml site{from.charge[a] / less, mixed ? from.sigma[a] : 1, mixed ? from.epsilon[a] : 0};
     append(particles, "Particle", site.fields());
   }
-  write_list(force, from.exceptions);
+  std::vector<PairException> exceptions = from.exceptions;
+  for (PairException& e : exceptions) e.charge_product /= from.dielectric;
+  write_list(force, exceptions);
 }
 
 // Writes a custom force whose terms are called "Bond", "Angle" or "Torsion": each term's atoms and its numbers, which are
@@ -277,6 +280,11 @@ void write_forces(Node forces, const OpenMMInput& from) {
                [](const CosineSquaredAngle& t) {
                  return Numbers{t.stiffness, t.cosine};
                });
+  write_custom(forces, "Angle", kRestrictedEnergy, {"k", "c0"}, terms.restricted_angles,
+               [](const RestrictedAngle& t) {
+                 return Numbers{t.stiffness, t.cosine};
+               });
+  write_bending_torsions(forces, terms.bending_torsions);
   write_tables(forces, terms, from.start.box);
   write_bonded(forces, terms.torsions);
   write_bonded(forces, terms.rb_torsions);
@@ -285,8 +293,12 @@ void write_forces(Node forces, const OpenMMInput& from) {
                  return Numbers{t.stiffness, std::remainder(t.angle, 2 * std::numbers::pi)};
                });
   if (!terms.cmaps.empty()) write_cmaps(forces, terms);
-  if (terms.nonbonded) write_nonbonded(forces, *terms.nonbonded, from.start.box);
-  if (terms.nonbonded && terms.nonbonded->lj_table) write_lj_table(forces, *terms.nonbonded, from.start.box);
+  if (terms.nonbonded && is_formula(*terms.nonbonded)) {
+    write_cut_pairs(forces, *terms.nonbonded, from.start.box);
+  } else if (terms.nonbonded) {
+    write_nonbonded(forces, *terms.nonbonded, from.start.box);
+    if (terms.nonbonded->lj_table) write_lj_table(forces, *terms.nonbonded, from.start.box);
+  }
   if (terms.gravity) write_gravity(forces, from.system, *terms.gravity);
   if (!terms.pulls.empty()) write_pulls(forces, terms.pulls);
   if (!terms.restraints.empty()) write_restraints(forces, terms.restraints, from.start.box);

@@ -15,9 +15,9 @@
 namespace taut {
 namespace {
 
-constexpr std::array kPairKeys = {"cutoff_nm", "switch_nm",     "dispersion_correction",
-                                  "coulomb",   "rf_dielectric", "ewald_tolerance",
-                                  "pme_order", "pme_grid",      "ewald_alpha_per_nm"};
+constexpr std::array kPairKeys = {"cutoff_nm", "switch_nm",       "shift",         "dispersion_correction",
+                                  "coulomb",   "dielectric",      "rf_dielectric", "rf_excluded",
+                                  "pme_order", "ewald_tolerance", "pme_grid",      "ewald_alpha_per_nm"};
 
 std::string describe(const std::optional<double>& number, const char* unit) {
   return number ? fmt::format("{:g}{}", *number, unit) : "none";
@@ -28,6 +28,9 @@ std::vector<std::pair<const char*, std::string>> describe_model(const Nonbonded&
   const bool field = !pairs.pme && pairs.cutoff;
   return {{"a cutoff of", describe(pairs.cutoff, " nm")},
           {"a switch from", describe(pairs.switch_distance, " nm")},
+          {"a shift of Lennard-Jones to zero at the cutoff:", pairs.shifted ? "yes" : "no"},
+          {"a dielectric constant between charges of", describe(pairs.dielectric, "")},
+          {"a reaction field between excluded charges:", pairs.rf_excluded ? "yes" : "no"},
           {"a dispersion correction:", pairs.dispersion_correction ? "yes" : "no"},
           {"Coulomb by", pairs.pme ? "PME"
                          : field   ? "a reaction field"

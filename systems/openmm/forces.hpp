@@ -27,15 +27,23 @@ class ContextParameters {
   std::map<std::string, double> of_state_, defaults_;
 };
 
+// The reaction field between two charges that exclude each other, or of an atom's charge on itself.
+struct ExcludedCharges {
+  int i, j;
+  double coulomb;  // times their product; half of it where i = j [kJ/mol·nm]
+  double cutoff;   // [nm]
+};
+
 // The parts of one <Force>.
 struct OpenMMForce {
   Terms terms;
   std::optional<Nonbonded> lennard_jones;  // from a CustomNonbondedForce; its exceptions are exclusions
   std::vector<PairException> pairs;        // Lennard-Jones pairs of a CustomBondForce
-  bool takes_images = false;               // whether bonded terms and exceptions use nearest images
-  std::optional<bool> periodic_pairs;      // whether a pair force is periodic
-  long remove_momentum_every = 0;          // steps; 0: never
-  std::vector<std::string> notes{};        // messages about what is done differently
+  std::vector<ExcludedCharges> excluded_charges;  // of a CustomBondForce
+  bool takes_images = false;                      // whether bonded terms and exceptions use nearest images
+  std::optional<bool> periodic_pairs;             // whether a pair force is periodic
+  long remove_momentum_every = 0;                 // steps; 0: never
+  std::vector<std::string> notes{};               // messages about what is done differently
   std::optional<OpenMMBarostat> barostat{};
 };
 

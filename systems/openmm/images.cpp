@@ -96,6 +96,7 @@ void check_images(const Element& at, const OpenMMForce& force, const WholeMolecu
     images.check(k++, t.psi);
   }
   for (const auto& t : force.pairs) images.check(k++, std::array{t.i, t.j});
+  for (const auto& t : force.excluded_charges) images.check(k++, std::array{t.i, t.j});
   for (const Bias& bias : terms.biases) images.check_bias(bias);
   for (const auto& t : terms.restraints)
     if (!t.takes_image) images.check_place(t.atom);

@@ -292,6 +292,7 @@ OpenMMInput read_openmm(const XmlFile& system_file, const XmlFile& state_file) {
     has_types = true;
   });
   of_each([&](const PlacedForce& f) { add_pairs(f.force.pairs, input.terms.nonbonded); });
+  of_each([&](const PlacedForce& f) { add_excluded_field(f.force.excluded_charges, input.terms.nonbonded); });
   return input;
 }
 

@@ -56,6 +56,10 @@ struct OfTypes {
   }
 };
 
+bool near(double one, double two) {
+  return std::abs(one - two) <= 1e-9 * std::abs(two);
+}
+
 }  // namespace
 
 void add_lennard_jones(Nonbonded types, std::optional<Nonbonded>& to) {
@@ -63,10 +67,12 @@ void add_lennard_jones(Nonbonded types, std::optional<Nonbonded>& to) {
   const bool alone = !to;
   if (alone) {
     to = types;
-    to->charge.setZero(n);
+    if (types.charge.size() == 0) to->charge.setZero(n);
     to->sigma.setZero(n);
     to->epsilon.setZero(n);
   }
+  if (!alone && types.charge.size() > 0)
+    throw InputError("has charges, as the NonbondedForce: taut takes them of one of the two");
   if (to->epsilon.any())
     throw InputError("adds to the Lennard-Jones of a NonbondedForce: taut takes one of the two");
   if (to->cutoff != types.cutoff)
@@ -74,6 +80,7 @@ void add_lennard_jones(Nonbonded types, std::optional<Nonbonded>& to) {
                                  types.cutoff.value_or(HUGE_VAL), to->cutoff.value_or(HUGE_VAL)));
   check_same_pairs(types, *to);
   to->switch_distance = types.switch_distance;
+  to->shifted = types.shifted;
   to->dispersion_correction = types.dispersion_correction;
   const OfTypes of(*types.lj_table);
   if (!of.mix_to(*types.lj_table)) {
@@ -85,6 +92,39 @@ void add_lennard_jones(Nonbonded types, std::optional<Nonbonded>& to) {
     to->sigma[a] = of.sigma[types.lj_table->type[a]];
     to->epsilon[a] = of.epsilon[types.lj_table->type[a]];
   }
+}
+
+void add_excluded_field(const std::vector<ExcludedCharges>& field, std::optional<Nonbonded>& to) {
+  std::map<Pair, double> left;  // that the field must be between, and of [kJ/mol·nm]
+  if (to) {
+    const Eigen::VectorXd& q = to->charge;
+    for (const auto& e : to->exceptions)
+      if (const double qq = q[e.i] * q[e.j]; qq != 0) left[std::minmax(e.i, e.j)] = to->coulomb() * qq;
+    for (int a = 0; a < q.size(); ++a)
+      if (q[a] != 0) left[{a, a}] = to->coulomb() * q[a] * q[a] / 2;
+  }
+  const bool any = std::ranges::any_of(field, [](const auto& f) { return f.coulomb != 0; });
+  if (!any) return;
+  for (const ExcludedCharges& f : field) {
+    if (f.coulomb == 0) continue;
+    if (!to->cutoff || !near(f.cutoff, *to->cutoff) || !std::isinf(to->rf_dielectric))
+      throw InputError(fmt::format(
+          "has a reaction field of infinite dielectric constant to {} nm, another one than the pairs",
+          f.cutoff));
+    const auto at = left.find(std::minmax(f.i, f.j));
+    if (at == left.end() || !near(f.coulomb, at->second))
+      throw InputError(fmt::format(
+          "has the reaction field between {} and {} with {} kJ/mol nm, expected {}: taut has it as it "
+          "follows from charges and exclusions",
+          f.i, f.j, f.coulomb, at == left.end() ? 0 : at->second));
+    left.erase(at);
+  }
+  if (!left.empty())
+    throw InputError(fmt::format(
+        "has no reaction field between {} and {}, which exclude each other: taut has it between all "
+        "such charges, and of each on itself, or nowhere",
+        left.begin()->first.first, left.begin()->first.second));
+  to->rf_excluded = true;
 }
 
 void add_pairs(const std::vector<PairException>& pairs, std::optional<Nonbonded>& to) {

@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "forcefield/terms.hpp"
+#include "systems/openmm/forces.hpp"
 
 namespace taut {
 
@@ -15,6 +15,9 @@ namespace taut {
 // `types` has a table and exclusions. If the table follows from σ and ε by the Lorentz–Berthelot rule, they
 // replace it.
 void add_lennard_jones(Nonbonded types, std::optional<Nonbonded>& to);
+
+// Takes a reaction field between excluded charges and of each on itself, if it is that which follows from `to`.
+void add_excluded_field(const std::vector<ExcludedCharges>& field, std::optional<Nonbonded>& to);
 
 // Adds the pairs to the exceptions of `to`.
 void add_pairs(const std::vector<PairException>& pairs, std::optional<Nonbonded>& to);

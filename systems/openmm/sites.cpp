@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <deque>
 
 #include "systems/openmm/terms.hpp"
@@ -63,6 +64,21 @@ std::size_t count_parents(const Element& site) {
   return n;
 }
 
+// Whether local coordinates say no more than a mean, as those of martini_openmm for a site of many atoms.
+bool is_mean(const VirtualSite& site) {
+  return site.kind == VirtualSite::Kind::kLocal && site.p.isZero(0) &&
+         std::ranges::all_of(site.parents, [](const VirtualSite::Parent& parent) {
+           return parent.w_x == 0 && parent.w_y == 0;
+         });
+}
+
+// Without parents of no weight, of which a site of one atom needs one in OpenMM.
+VirtualSite mean_of(VirtualSite site) {
+  if (std::ranges::any_of(site.parents, [](const auto& parent) { return parent.w != 0; }))
+    std::erase_if(site.parents, [](const auto& parent) { return parent.w == 0; });
+  return VirtualSite::average(site.atom, std::move(site.parents));
+}
+
 }  // namespace
 
 VirtualSite read_site(const Element& particle, int atom, int atoms) {
@@ -74,6 +90,7 @@ VirtualSite read_site(const Element& particle, int atom, int atoms) {
     const Element at = particle.part(element);
     VirtualSite site{atom, kind, std::vector<VirtualSite::Parent>(parents ? parents : count_parents(at))};
     at.read_leaf(SiteAttributes(site, atoms).fields());
+    if (kind == VirtualSite::Kind::kAverage || is_mean(site)) return mean_of(std::move(site));
     if (kind != VirtualSite::Kind::kOutOfPlane) return site;
     const auto& of = site.parents;
     return VirtualSite::out_of_plane(atom, of[0].atom, of[1].atom, of[2].atom, {of[1].w, of[2].w, site.p[2]});
@@ -83,6 +100,8 @@ VirtualSite read_site(const Element& particle, int atom, int atoms) {
 }
 
 void write_site(pugi::xml_node particle, VirtualSite site) {
+  if (site.kind == VirtualSite::Kind::kAverage && site.parents.size() == 1)
+    site.parents.push_back({site.parents[0].atom, 0});
   // OpenMM averages two or three atoms; the mean of more is the origin of local coordinates.
   if (site.kind == VirtualSite::Kind::kAverage && site.parents.size() > 3) {
     site.kind = VirtualSite::Kind::kLocal;

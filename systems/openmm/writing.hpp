@@ -37,6 +37,11 @@ void write_term(Node list, const char* name, const std::vector<Field>& atoms,
 void write_spline(Node functions, const std::string& name, const Spline& spline);
 void write_discrete(Node functions, const std::string& name, const Eigen::MatrixXd& table);
 
+// Whether OpenMM has no NonbondedForce of these pairs, but a formula.
+bool is_formula(const Nonbonded& pairs);
+void write_cut_pairs(Node forces, const Nonbonded& pairs, const Box& box);
+void write_bending_torsions(Node forces, const std::vector<BendingTorsion>& terms);
+
 // Bonds, angles and pairs by tables.
 void write_tables(Node forces, const Terms& terms, const Box& box);
 

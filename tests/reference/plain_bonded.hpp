@@ -101,6 +101,36 @@ inline double add_cosine_squared_angles(const std::vector<CosineSquaredAngle>& a
   });
 }
 
+// E = ½K(cos θ − cos θ₀)²/sin²θ
+inline double add_restricted_angles(const std::vector<RestrictedAngle>& angles, const Vectors& x,
+                                    Vectors& f) {
+  double energy = 0;
+  for (const auto& [i, j, k, cosine, stiffness] : angles) {
+    const Angle at(x.col(i) - x.col(j), x.col(k) - x.col(j));
+    const double off = std::cos(at.theta) - cosine, sine = std::sin(at.theta);
+    energy += 0.5 * stiffness * off * off / (sine * sine);
+    const double slope =
+        -stiffness * off / sine - stiffness * off * off * std::cos(at.theta) / (sine * sine * sine);
+    f.col(i) -= slope * at.grad_i;
+    f.col(k) -= slope * at.grad_k;
+    f.col(j) += slope * (at.grad_i + at.grad_k);
+  }
+  return energy;
+}
+
+// E = k qq (k_rf r² − c_rf) up to the cutoff
+inline double add_field_pairs(const std::vector<FieldPair>& pairs, const Vectors& x, Vectors& f) {
+  double energy = 0;
+  for (const auto& [i, j, curvature, depth, cutoff] : pairs) {
+    const Vec3 d = x.col(j) - x.col(i);
+    if (d.norm() > cutoff) continue;
+    energy += curvature * d.squaredNorm() - depth;
+    f.col(i) += 2 * curvature * d;
+    f.col(j) -= 2 * curvature * d;
+  }
+  return energy;
+}
+
 // E by a table of the distance, and by one of the angle
 inline double add_tabulated_bonds(const std::vector<TabulatedBond>& bonds, const Vectors& x, Vectors& f) {
   return add_of_distances(bonds, x, f, [](const TabulatedBond& t, double r) {
@@ -161,6 +191,35 @@ inline double add_harmonic_torsions(const std::vector<HarmonicTorsion>& torsions
     const double turn = std::remainder(phi - t.angle, 2 * std::numbers::pi);
     return EnergyAndSlope{0.5 * t.stiffness * turn * turn, t.stiffness * turn};
   });
+}
+
+// E = sin³θ₁ sin³θ₂ Σ c_n cosⁿφ
+inline double add_bending_torsions(const std::vector<BendingTorsion>& torsions, const Vectors& x,
+                                   Vectors& f) {
+  double energy = 0;
+  for (const auto& t : torsions) {
+    const Dihedral d = dihedral(t, x);
+    const Angle one(x.col(t.i) - x.col(t.j), x.col(t.k) - x.col(t.j)),
+        two(x.col(t.j) - x.col(t.k), x.col(t.l) - x.col(t.k));
+    const double s1 = std::sin(one.theta), s2 = std::sin(two.theta), c = std::cos(d.phi);
+    double value = 0, slope = 0;  // Horner
+    for (int n = 4; n >= 0; --n) {
+      slope = slope * c + value;
+      value = value * c + t.c[n];
+    }
+    const double cubes = std::pow(s1 * s2, 3);
+    energy += cubes * value;
+    add_gradient(t, d, -cubes * slope * std::sin(d.phi), f);
+    const auto bend = [&](int i, int j, int k, const Angle& at, double cotangent) {
+      const double dE = 3 * cubes * value * cotangent;
+      f.col(i) -= dE * at.grad_i;
+      f.col(k) -= dE * at.grad_k;
+      f.col(j) += dE * (at.grad_i + at.grad_k);
+    };
+    bend(t.i, t.j, t.k, one, std::cos(one.theta) / s1);
+    bend(t.j, t.k, t.l, two, std::cos(two.theta) / s2);
+  }
+  return energy;
 }
 
 // E = −½k r₀² ln(1 − (r/r₀)²) (Kremer and Grest 1990, doi:10.1063/1.458541)

@@ -32,9 +32,10 @@ std::pair<double, double> switched(std::pair<double, double> pair, double r, dou
 
 // k q q' (1/r + k_rf r² − c_rf); without a cutoff k q q'/r
 std::pair<double, double> coulomb(const Nonbonded& nb, double qq, double r) {
-  const double rc = nb.cutoff.value_or(HUGE_VAL), eps = nb.rf_dielectric;
-  const double k_rf = (eps - 1) / ((2 * eps + 1) * rc * rc * rc), c_rf = 3 * eps / ((2 * eps + 1) * rc);
-  return {kCoulomb * qq * (1 / r + k_rf * r * r - c_rf), kCoulomb * qq * (1 / r - 2 * k_rf * r * r)};
+  const double rc = nb.cutoff.value_or(HUGE_VAL), over = 1 / nb.rf_dielectric,
+               k = kCoulomb / nb.dielectric * qq;
+  const double k_rf = (1 - over) / ((2 + over) * rc * rc * rc), c_rf = 3 / ((2 + over) * rc);
+  return {k * (1 / r + k_rf * r * r - c_rf), k * (1 / r - 2 * k_rf * r * r)};
 }
 
 }  // namespace
