@@ -139,12 +139,12 @@ struct Nonbonded {
   std::optional<double> cutoff;           // [nm]; none: every pair
   std::optional<double> switch_distance;  // [nm]: Lennard-Jones switched to zero from here to the cutoff
   double rf_dielectric = 78.3;            // ε of the reaction field beyond the cutoff; 1: a shifted cutoff
-  bool rf_excluded = false;               // it also acts between excluded charges, and of each on itself
-  double dielectric = 1;                  // by which all Coulomb energies are divided
-  bool shifted = false;                   // Lennard-Jones of each pair is raised to zero at the cutoff
   std::optional<PmeParameters> pme;       // in place of the reaction field
   bool dispersion_correction = false;     // long-range Lennard-Jones, periodic only
   std::optional<LennardJonesTable> lj_table{};  // in place of sigma and epsilon
+  bool rf_excluded = false;  // it also acts between excluded charges, and of each on itself
+  double dielectric = 1;     // by which all Coulomb energies are divided
+  bool shifted = false;      // Lennard-Jones of each pair is raised to zero at the cutoff
 
   double coulomb() const { return kCoulomb / dielectric; }  // [kJ/mol·nm/e²]
 
