@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,20 @@ TEST(CoulombKeys, AreRead) {
   EXPECT_EQ(pme->order, 6);
   EXPECT_EQ(pme->alpha, 3);
   EXPECT_EQ(pme->grid, (std::array{20, 24, 25}));
+}
+
+TEST(CoulombKeys, SayMartinisForm) {
+  const Nonbonded pairs =
+      pairs_of({"forcefield.dispersion_correction=false", "forcefield.shift=true", "forcefield.dielectric=15",
+                "forcefield.rf_dielectric=0", "forcefield.rf_excluded=true"});
+  EXPECT_TRUE(pairs.shifted && pairs.rf_excluded);
+  EXPECT_EQ(pairs.dielectric, 15);
+  EXPECT_EQ(pairs.rf_dielectric, HUGE_VAL) << "0 is infinite, as in GROMACS";
+  EXPECT_THAT(complaint({"forcefield.rf_dielectric=0.5"}), HasSubstr("expected 1 or more, or 0 for infinite"));
+  EXPECT_THAT(complaint({"forcefield.shift=true", "forcefield.dispersion_correction=true"}),
+              HasSubstr("forcefield.shift: raises what ends at the cutoff"));
+  EXPECT_THAT(complaint({"forcefield.coulomb=pme", "forcefield.rf_excluded=true"}),
+              HasSubstr("forcefield.rf_excluded: has no effect"));
 }
 
 TEST(CoulombKeys, ThatHaveNoEffectOrCannotBeAreRefused) {

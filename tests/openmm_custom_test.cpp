@@ -5,6 +5,7 @@
 
 #include "base/errors.hpp"
 #include "openmm_parity.hpp"
+#include "systems/openmm/export.hpp"
 
 namespace taut::openmm_custom_tests {
 namespace {
@@ -220,7 +221,7 @@ TEST(OpenMMParity, LennardJonesOfTypesBesideCharges) {
 void martini(Melt& melt, bool field) {
   constexpr int kTypes = 3;
   const std::string tail =
-      "crf = 1 / rcut + krf * rcut^2;krf = 1 / (2 * rcut^3);epsilon_r = 15;f = 138.935458;rcut=1;";
+      "crf = 1 / rcut + krf * rcut^2;krf = 1 / (2 * rcut^3);epsilon_r = 15;f = 138.935458;rcut=1.1;";
   auto* pairs = new OpenMM::CustomNonbondedForce(
       "step(rcut-r)*(LJ - corr + ES);LJ = (C12(type1, type2) / r^12 - C6(type1, type2) / r^6);"
       "corr = (C12(type1, type2) / rcut^12 - C6(type1, type2) / rcut^6);"
@@ -238,14 +239,14 @@ void martini(Melt& melt, bool field) {
   pairs->addPerParticleParameter("type");
   pairs->addPerParticleParameter("q");
   pairs->setNonbondedMethod(OpenMM::CustomNonbondedForce::CutoffPeriodic);
-  pairs->setCutoffDistance(1);
+  pairs->setCutoffDistance(1.1);
   auto* excluded =
       new OpenMM::CustomBondForce("step(rcut-r) * ES;ES = f*qprod/epsilon_r * (krf * r^2 - crf);" + tail);
   auto* charges = new OpenMM::CustomBondForce(
       "step(rcut-r) * ES;ES = f*qprod/epsilon_r * (1/r + krf * r^2 - crf);" + tail);
   for (auto* force : {excluded, charges}) force->addPerBondParameter("qprod");
   auto* near = new OpenMM::CustomBondForce(
-      "step(rcut-r) * (energy - corr);energy = (C12/r^12 - C6/r^6);corr = (C12/rcut^12 - C6/rcut^6);rcut=1;");
+      "step(rcut-r) * (energy - corr);energy = (C12/r^12 - C6/r^6);corr = (C12/rcut^12 - C6/rcut^6);rcut=1.1;");
   near->addPerBondParameter("C12");
   near->addPerBondParameter("C6");
   const double of_kind[] = {0, 1, -1, 0.5};
@@ -271,13 +272,23 @@ void without_pairs(Melt& melt) {
     if (&melt.system.getForce(f) == melt.nonbonded) melt.system.removeForce(f);
 }
 
+// As they are given, and as taut writes them.
+void expect_parity_and_again(const Melt& melt) {
+  const Folder folder;
+  const tests::Files files = melt.write(folder);
+  expect_parity(files);
+  const std::string prefix = (folder.path() / "again").string();
+  write_openmm(read_openmm(files.system, files.state), prefix);
+  expect_parity({prefix + ".system.xml", prefix + ".state.xml"});
+}
+
 TEST(OpenMMParity, PairsOfMartini) {
   for (const bool field : {false, true}) {
     Melt melt(31);
     melt.make_periodic();
     without_pairs(melt);
     martini(melt, field);
-    expect_parity(melt.write(Folder()));
+    expect_parity_and_again(melt);
   }
 }
 
@@ -306,7 +317,7 @@ TEST(OpenMMParity, AnglesAndTorsionsOfMartini) {
   melt.system.addForce(angles);
   melt.system.addForce(torsions);
   melt.system.addForce(bending);
-  expect_parity(melt.write(Folder()));
+  expect_parity_and_again(melt);
 }
 
 // The custom forces taut knows, their parameters declared in every order, of each term (true) or of all.
