@@ -118,14 +118,15 @@ void show(const ChartPlan& plan, Study& study) {
   say("\n");
   for (const std::string& line : lines) say("{}\n", wrapped(line, 100, 2));
   study.conclude(lines);
-  study.show({"drift",
-              fmt::format("{}energy drift {} over {} steps (lower left is better)", of, at, plan.drift_steps),
-              drift_csv(plan, ledger)},
-             "Constraint time against energy drift",
-             fmt::format("Slope of the total energy over {} steps; bars: 95 %, from the run's own standard "
-                         "error. An arrow: zero is inside, and the drift at most that. The figures have the "
-                         "bonds' share of it.",
-                         plan.drift_steps));
+  study.show(
+      {"drift",
+       fmt::format("{}energy drift {} over {} steps (lower left is better)", of, at, plan.drift_steps),
+       drift_csv(plan, ledger)},
+      "Constraint time against energy drift",
+      fmt::format("Slope of the total energy over {} steps; bars: 95 %, from the run's own standard "
+                  "error. A bar to the border: zero is inside, and the drift at most that. The figures "
+                  "have the bonds' share of it.",
+                  plan.drift_steps));
   study.show({"order",
               fmt::format("{}distance from the exact trajectory after {:g} fs", of,
                           kOrderSteps * plan.scene.run.dt_fs),

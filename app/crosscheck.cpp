@@ -147,7 +147,7 @@ StudyFiles write_crosscheck(const Crosscheck& c, const std::string& command,
   ReportPage page{title, command, c.notes, {}};
   const auto show = [&](const Picture& picture, const char* heading, const char* text) {
     files.draw(picture);
-    page.parts.push_back({heading, text, picture.name, picture.csv, {}});
+    page.parts.push_back({heading, text, "", picture.csv, {}});
   };
   show({"crosscheck", title, samples_csv(c)}, "Runs beside OpenMM's",
        c.plugged.empty()

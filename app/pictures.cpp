@@ -48,13 +48,16 @@ void StudyFiles::draw(const Picture& p) {
   asked_.push_back(p);
 }
 
-void StudyFiles::draw_all(bool for_page) {
+void StudyFiles::draw_all(const std::vector<std::string>& for_page) {
   if (asked_.empty()) return;
   json pictures = json::array();
   for (const Picture& p : asked_) {
     json tables = p.beside;
     tables[p.name] = p.csv;
-    pictures.push_back({{"name", p.name}, {"title", p.title}, {"tables", tables}});
+    pictures.push_back({{"name", p.name},
+                        {"title", p.title},
+                        {"tables", tables},
+                        {"svg", std::ranges::count(for_page, p.name) > 0}});
     std::error_code ignored;  // pictures of an earlier run
     for (const std::string& file : files_of_picture(p.name))
       if (!file.ends_with(".csv")) fs::remove(folder_ / file, ignored);
@@ -62,7 +65,6 @@ void StudyFiles::draw_all(bool for_page) {
   const json request = {{"folder", fs::absolute(folder_).string()},
                         {"size", options_.size},
                         {"formats", options_.formats},
-                        {"svg", for_page},
                         {"pictures", pictures}};
   const std::string input = request.dump(-1, ' ', false, json::error_handler_t::replace);
   const fs::path script = resource_folder("pictures");

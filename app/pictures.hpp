@@ -28,8 +28,8 @@ class StudyFiles {
   void write(const std::string& name, const std::string& text);
   void draw(const Picture& picture);  // writes its table; draw_all() draws it
 
-  // Draws all pictures that are not drawn yet, in one start of Python; for a page as SVG, too.
-  void draw_all(bool for_page = false);
+  // Draws all pictures that are not drawn yet, in one start of Python; those named for a page as SVG, too.
+  void draw_all(const std::vector<std::string>& for_page = {});
   // Returns a picture that was drawn for a page, or an empty text.
   std::string svg(const std::string& name) const;
 

@@ -8,6 +8,7 @@
 #include "base/threads.hpp"
 #include "base/words.hpp"
 #include "measures/csv.hpp"
+#include "report_page.hpp"
 
 namespace taut {
 namespace {
@@ -50,31 +51,39 @@ std::string inline_svg(const std::string& text) {
 }  // namespace
 
 void write_report(const ReportPage& page, StudyFiles& files) {
-  files.draw_all(true);
+  std::vector<std::string> pictures;
+  for (const auto& part : page.parts)
+    if (!part.picture.empty()) pictures.push_back(part.picture);
+  files.draw_all(pictures);
   std::string html = fmt::format(
       "<!doctype html>\n<html lang=en><meta charset=utf-8><title>{0}</title>\n"
-      "<style>body{{font:16px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em;color:#222}}"
-      "svg{{max-width:100%;height:auto}}table{{border-collapse:collapse;font-size:12px}}"
-      "td,th{{padding:1px 8px;border-bottom:1px solid #ddd;text-align:left}}"
-      ".scroll{{max-height:24em;overflow:auto}}code{{background:#f3f3f3;padding:2px 4px}}</style>\n"
+      "<meta name=viewport content=\"width=device-width, initial-scale=1\">\n"
+      // Nothing is fetched, and nothing that names say is carried out.
+      "<meta http-equiv=Content-Security-Policy content=\"default-src 'none'; img-src data:; "
+      "style-src 'unsafe-inline'; script-src 'unsafe-inline'\">\n"
+      "<style>\n{6}</style>\n"
       "<h1>{0}</h1>\n<p>Made by <code>{1}</code></p>\n"
-      "<p>Processor {2}, {3}. Compiler {4}, flags <code>{5}</code>.</p>\n",
+      "<p class=small>Processor {2}, {3}. Compiler {4}, flags <code>{5}</code>.</p>\n"
+      "<p class=small>Charts: a name switches its curve off and on; drag along x to zoom, “whole” goes "
+      "back; the pointer reads points.</p>\n"
+      "<noscript><p>Charts need scripts; pictures are in files beside this page.</p></noscript>\n",
       escaped(page.title), escaped(page.command), escaped(processor()),
-      counted(available_threads(), "thread"), TAUT_COMPILER, TAUT_FLAGS);
+      counted(available_threads(), "thread"), TAUT_COMPILER, TAUT_FLAGS, kReportStyle);
   if (!page.notes.empty()) {
     html += "<ul>\n";
     for (const auto& note : page.notes) html += fmt::format("<li>{}</li>\n", escaped(note));
     html += "</ul>\n";
   }
   for (const auto& part : page.parts) {
-    html += fmt::format("<h2>{}</h2>\n", escaped(part.title));
+    html += fmt::format("<section><h2>{}</h2>\n", escaped(part.title));
     if (!part.text.empty()) html += fmt::format("<p>{}</p>\n", escaped(part.text));
+    html += "<div class=charts></div>\n";
     if (!part.picture.empty()) html += inline_svg(files.svg(part.picture)) + "\n";
     for (const auto& line : part.conclusions) html += fmt::format("<p><b>{}</b></p>\n", escaped(line));
-    html += fmt::format("<details{}><summary>The figures</summary>\n{}</details>\n", part.open ? " open" : "",
-                        table_of(part.csv));
+    html += fmt::format("<details{}><summary>The figures</summary>\n{}</details></section>\n",
+                        part.open ? " open" : "", table_of(part.csv));
   }
-  files.write("report.html", html + "</html>\n");
+  files.write("report.html", fmt::format("{}<script>\n{}</script>\n</html>\n", html, kReportScript));
 }
 
 }  // namespace taut

@@ -174,9 +174,8 @@ nlohmann::ordered_json plot_runs(const PlotRequest& request) {
   page.parts.push_back(
       {"The run in time",
        "Each row of the log, or means of neighbouring rows; over the measured part the mean up to each "
-       "time, and dashed that of all of it. The account: total energy less the heat, from its start, and "
-       "what the bonds did.",
-       "run",
+       "time. The account: total energy less the heat, from its start, and what the bonds did.",
+       "",
        picture.csv,
        {}});
   if (const std::string kinds = kinds_csv(request.runs, names, scenes); std::ranges::count(kinds, '\n') > 1) {

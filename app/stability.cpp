@@ -130,14 +130,16 @@ void stability(const StabilityArguments& arguments) {
       fmt::format("Above: steps survived of {}. Below: energy drift where all were survived, × where not. "
                   "The drift of newton (rattle where bonds are one-sided) in as many steps is beside them. "
                   "Dashed: the limit by the propagator's roots, for one bond; gains beyond it are refused.",
-                  plan.plane_steps));
+                  plan.plane_steps),
+      true);
   study.show(
       {"steps", "Largest stable step [fs], and how the next one fails", steps_csv(plan, ledger)},
       "The largest stable step",
       fmt::format("Of each method at its defaults, by bisection: {} steps without a failure, the total "
                   "energy within the largest kinetic energy of its start, no bond off by 10 %. Darker: "
                   "shorter than the best of its row. steps.csv has the largest that keeps the energy, too.",
-                  plan.step_steps));
+                  plan.step_steps),
+      true);
   study.conclude({verdict(plan, ledger)});
   study.finish(scene.name + ": where methods fail");
 }

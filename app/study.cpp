@@ -190,10 +190,10 @@ void Study::run(const std::vector<Job>& jobs, const std::vector<std::string>& no
   progress.clear();
 }
 
-void Study::show(const Picture& picture, const std::string& heading, const std::string& text) {
+void Study::show(const Picture& picture, const std::string& heading, const std::string& text, bool drawn) {
   files_.draw(picture);
   tables_.emplace_back(picture.name, picture.csv);
-  page_.parts.push_back({heading, text, picture.name, picture.csv, {}});
+  page_.parts.push_back({heading, text, drawn ? picture.name : "", picture.csv, {}});
 }
 
 void Study::conclude(const std::vector<std::string>& lines) {

@@ -59,7 +59,8 @@ class Study {
   // and SIGHUP end it at once; finished trials are in the ledger.
   void run(const std::vector<Job>& jobs, const std::vector<std::string>& notes);
   StudyFiles& files() { return files_; }
-  void show(const Picture& picture, const std::string& heading, const std::string& text);
+  // Shows a picture's table in the report: as charts, or as `drawn` for print where it is no curves.
+  void show(const Picture& picture, const std::string& heading, const std::string& text, bool drawn = false);
   // Puts what the picture shown last says, a line each, below it in the report.
   void conclude(const std::vector<std::string>& lines);
   void show_table(const std::string& file, const std::string& csv, ReportPage::Part part);

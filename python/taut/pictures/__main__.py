@@ -34,7 +34,7 @@ def _draw(pictures: Any, asked: Dict[str, Any], picture: Dict[str, Any]) -> Dict
         figure = pictures.draw(picture["name"], tables, asked["size"], picture["title"])
         path = Path(asked["folder"]) / picture["name"]
         made = {"files": pictures.save(figure, path, asked["formats"])}
-        if asked.get("svg"):
+        if picture.get("svg"):
             text = io.StringIO()
             with pictures.styled():
                 figure.savefig(text, format="svg", metadata={"Date": None})

@@ -1,0 +1,80 @@
+"""Reports in headless Chromium, from their folders: each table of curves is drawn, a name switches its curve off, dragging
+zooms, and nothing is fetched, at a desk's width and a phone's. Needs Playwright and a Chromium.
+
+python3 tests/report_page.py FOLDER... [--pictures FOLDER]     a FOLDER has a report.html of chart, stability, plot or crosscheck
+"""
+
+import pathlib
+import shutil
+import sys
+
+from playwright.sync_api import sync_playwright
+
+SIZES = {"desk": {"width": 1400, "height": 900}, "phone": {"width": 390, "height": 844}}
+CURVED = ("work", "drift", "order", "length", "precision", "run", "crosscheck")  # tables that must become curves
+failures = []
+
+
+def expect(what, holds, said=""):
+    if not holds:
+        failures.append(what)
+        print(f"FAILED {what}: {said}")
+
+
+def inks(page, chart):
+    """Counts the pixels of a chart that are not its background."""
+    return chart.locator("canvas").evaluate(
+        "(c) => { const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data; let n = 0;"
+        " for (let k = 3; k < d.length; k += 4) n += d[k] > 0; return n; }")
+
+
+def try_report(page, name, folder):
+    page.goto((folder / "report.html").resolve().as_uri())
+    charts, curved = page.locator(".chart"), [table for table in CURVED if (folder / f"{table}.csv").exists()]
+    print(f"{name}: {charts.count()} charts, {(folder / 'report.html').stat().st_size / 1e3:.0f} kB")
+    expect(f"{name}, curves", charts.count() >= len(curved), f"{charts.count()} of {curved}")
+    expect(f"{name}, width", not page.evaluate("document.documentElement.scrollWidth > document.documentElement.clientWidth"))
+    for n in range(charts.count()):
+        chart, title = charts.nth(n), charts.nth(n).locator("h2").inner_text()
+        canvas, whole, first = chart.locator("canvas"), chart.locator(".whole"), chart.locator(".legend button").first
+        drawn = inks(page, chart)
+        expect(f"{name}, {title}, drawn", drawn > 500, drawn)
+        for pressed in ("false", "true"):
+            first.click()
+            expect(f"{name}, {title}, switched", first.get_attribute("aria-pressed") == pressed)
+            expect(f"{name}, {title}, drawn anew", (inks(page, chart) == drawn) == (pressed == "true"))
+        canvas.scroll_into_view_if_needed()
+        box = canvas.bounding_box()
+        page.mouse.move(box["x"] + 0.4 * box["width"], box["y"] + 50)
+        page.mouse.down()
+        page.mouse.move(box["x"] + 0.7 * box["width"], box["y"] + 60)
+        page.mouse.up()
+        expect(f"{name}, {title}, zoomed", whole.is_visible())
+        if whole.is_visible():
+            whole.click()
+        page.mouse.move(0, 0)
+        expect(f"{name}, {title}, whole", whole.is_hidden() and inks(page, chart) == drawn, f"{inks(page, chart)}, {drawn}")
+
+
+def main():
+    arguments = sys.argv[1:]
+    pictures = pathlib.Path(arguments.pop(arguments.index("--pictures") + 1)) if "--pictures" in arguments else None
+    folders = [pathlib.Path(one) for one in arguments if one != "--pictures"]
+    with sync_playwright() as play:
+        browser = play.chromium.launch(executable_path=shutil.which("chromium") or shutil.which("chromium-browser"), args=["--no-sandbox"])
+        for (size, viewport), folder in ((size, folder) for size in SIZES.items() for folder in folders):
+            page = browser.new_page(viewport=viewport, color_scheme="dark" if size == "phone" else "light")
+            page.on("pageerror", lambda error: expect("script", False, error))
+            page.on("request", lambda request: expect("nothing is fetched", request.url.startswith("file:") and request.is_navigation_request(), request.url))
+            try_report(page, f"{size}, {folder.name}", folder)
+            if pictures:
+                pictures.mkdir(parents=True, exist_ok=True)
+                page.screenshot(path=pictures / f"{size}-{folder.resolve().parent.name}-{folder.name}.png", full_page=True)
+            page.close()
+        browser.close()
+    print("passed" if not failures else f"{len(failures)} failures")
+    return bool(failures)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
