@@ -4,7 +4,7 @@
 const COST = "ns a bond and step", DRIFT = "|energy drift| [kJ/mol/ns/dof]";
 
 // A form serves a table that has all its columns. x: a column and the axis' words; y: columns, each a chart, with their
-// words; by: columns that name a curve; panel: the column of which each value is a chart of its own, and its title;
+// words; by: columns that name a curve, behind what it is called; panel: the column of which each value is a chart of its own, and its title;
 // note: what is said at a point; bars, across: from where to where lines through the points go, up and along x.
 const FORMS = [
   {panel: "panel", by: ["curve"], x: ["t_ps", "t [ps]"], y: [["value"]], over: ["running_mean", "mean up to then"]},
@@ -15,6 +15,7 @@ const FORMS = [
   {by: ["method"], x: ["bonds", "bonds of a chain"], y: [["ns_per_bond_step", COST]], log: true, logX: true, bars: ["ns_per_bond_step_q1", "ns_per_bond_step_q3"]},
   {by: ["method"], x: ["drift", DRIFT], y: [["step_us", "time of a step [µs]"]], note: "precision", logX: true, across: ["drift_from", "drift_to"],
    bars: ["step_us_q1", "step_us_q3"]},
+  {panel: "damping", by: ["alpha_h"], called: "αh ", x: ["beta_h", "βh"], y: [["drift", DRIFT]], note: "failure", log: true},
   {by: ["run"], x: ["t_ps", "t [ps]"], log: true,
    y: [["apart_nm", "apart from OpenMM's run [nm]"], ["from_fine_run_nm", "apart from the fine run [nm]"], ["max_rel_bond_error", "largest relative bond error"]]},
   {by: ["run"], x: ["r_nm", "r [nm]"], y: [["g", "radial distribution"]], error: "standard_error"},
@@ -53,7 +54,7 @@ function drawCurves(columns, form, rows, column, title, place) {
   place.append(box);
   const take = (name, of) => of.map((k) => number(columns[name][k])), log = form.log || title.includes("bond error");
   const chart = new Chart(box, {title, x: form.x[1], log, logX: form.logX, marks: !form.x[0].endsWith("_ps") && !form.error});
-  const nameOf = (k) => form.by.map((name) => columns[name][k]).join(", ") || title;
+  const nameOf = (k) => (form.called || "") + form.by.map((name) => columns[name][k]).join(", ") || title;
   const methods = each(columns.method || []), drawn = {};
   for (const name of each(rows.map(nameOf))) {
     const of = rows.filter((k) => nameOf(k) === name && Number.isFinite(number(columns[column][k])) && Number.isFinite(number(columns[form.x[0]][k])));
@@ -122,7 +123,7 @@ function drawTable(section) {
   if (!form) return;
   for (const panel of form.panel ? each(columns[form.panel]) : [""])
     for (const [column, words] of form.y)
-      drawCurves(columns, form, all.filter((k) => !form.panel || columns[form.panel][k] === panel), column, words || panel, place);
+      drawCurves(columns, form, all.filter((k) => !form.panel || columns[form.panel][k] === panel), column, [panel, words].filter(Boolean).join(": "), place);
 }
 
 const drawAll = () => shown.forEach((one) => one.draw());
