@@ -6,7 +6,7 @@ root_doc = "docs/index"
 extensions = ["myst_parser", "sphinx.ext.autodoc"]
 include_patterns = ["docs/*.md", "docs/lab/README.md", "docs/paper/README.md", "CHANGELOG.md", "README.md",
                     "CONTRIBUTING.md", "constraints/README.md", "systems/README.md",
-                    "systems/KEYS.md", "lammps/README.md", "benchmarks/README.md", "tests/README.md",
+                    "systems/KEYS.md", "lammps/README.md", "benchmarks/README.md", "benchmarks/HISTORY.md", "tests/README.md",
                     "tests/portability/README.md", "docs/study/README.md", "openmm_plugin/README.md",
                     "conformance/README.md", "conformance/MATRIX.md"]
 myst_heading_anchors = 4  # the names that GitHub gives to headings
