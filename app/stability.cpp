@@ -127,7 +127,8 @@ void stability(const StabilityArguments& arguments) {
        plane_csv(plan, ledger),
        {{"limits", limits}}},
       "Baumgarte's gains",
-      fmt::format("Curves: energy drift over βh. The map, above: steps survived of {}. Below: energy drift where all were survived, × where not. "
+      fmt::format("Curves: energy drift over βh. The map, above: steps survived of {}. Below: energy drift "
+                  "where all were survived, × where not. "
                   "The drift of newton (rattle where bonds are one-sided) in as many steps is beside them. "
                   "Dashed: the limit by the propagator's roots, for one bond; gains beyond it are refused.",
                   plan.plane_steps),
