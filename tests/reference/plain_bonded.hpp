@@ -104,18 +104,11 @@ inline double add_cosine_squared_angles(const std::vector<CosineSquaredAngle>& a
 // E = ½K(cos θ − cos θ₀)²/sin²θ
 inline double add_restricted_angles(const std::vector<RestrictedAngle>& angles, const Vectors& x,
                                     Vectors& f) {
-  double energy = 0;
-  for (const auto& [i, j, k, cosine, stiffness] : angles) {
-    const Angle at(x.col(i) - x.col(j), x.col(k) - x.col(j));
-    const double off = std::cos(at.theta) - cosine, sine = std::sin(at.theta);
-    energy += 0.5 * stiffness * off * off / (sine * sine);
-    const double slope =
-        -stiffness * off / sine - stiffness * off * off * std::cos(at.theta) / (sine * sine * sine);
-    f.col(i) -= slope * at.grad_i;
-    f.col(k) -= slope * at.grad_k;
-    f.col(j) += slope * (at.grad_i + at.grad_k);
-  }
-  return energy;
+  return add_of_angles(angles, x, f, [](const RestrictedAngle& t, double theta) {
+    const double off = (std::cos(theta) - t.cosine) / std::sin(theta);
+    return EnergyAndSlope{0.5 * t.stiffness * off * off,
+                          -t.stiffness * off * (1 + off * std::cos(theta) / std::sin(theta))};
+  });
 }
 
 // E = k qq (k_rf r² − c_rf) up to the cutoff
@@ -198,7 +191,7 @@ inline double add_bending_torsions(const std::vector<BendingTorsion>& torsions, 
                                    Vectors& f) {
   double energy = 0;
   for (const auto& t : torsions) {
-    const Dihedral d = dihedral(t, x);
+    const Dihedral d(x.col(t.i), x.col(t.j), x.col(t.k), x.col(t.l));
     const Angle one(x.col(t.i) - x.col(t.j), x.col(t.k) - x.col(t.j)),
         two(x.col(t.j) - x.col(t.k), x.col(t.l) - x.col(t.k));
     const double s1 = std::sin(one.theta), s2 = std::sin(two.theta), c = std::cos(d.phi);
@@ -209,7 +202,11 @@ inline double add_bending_torsions(const std::vector<BendingTorsion>& torsions, 
     }
     const double cubes = std::pow(s1 * s2, 3);
     energy += cubes * value;
-    add_gradient(t, d, -cubes * slope * std::sin(d.phi), f);
+    const double along_phi = -cubes * slope * std::sin(d.phi);
+    f.col(t.i) -= along_phi * d.grad_i;
+    f.col(t.j) -= along_phi * d.grad_j;
+    f.col(t.k) -= along_phi * d.grad_k;
+    f.col(t.l) -= along_phi * d.grad_l;
     const auto bend = [&](int i, int j, int k, const Angle& at, double cotangent) {
       const double dE = 3 * cubes * value * cotangent;
       f.col(i) -= dE * at.grad_i;
