@@ -16,7 +16,8 @@ from typing import Any, Dict, List
 
 import numpy as np
 
-from shared import Case, EngineStopped, moving, not_offered, row_steps, run_program, start_velocities, wants_refusal
+from programs import run_program
+from shared import Case, EngineStopped, moving, not_offered, row_steps, start_velocities, wants_refusal
 
 VARIANTS: Dict[str, Dict[str, Any]] = {"rattle": {}}
 BOHR, HARTREE, AU_TIME = 0.0529177210903, 2625.4996394799, 2.4188843265857e-5  # nm, kJ/mol, ps

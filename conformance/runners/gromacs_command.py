@@ -19,8 +19,9 @@ from gromacs_files import call, read_trr, write_coordinates, write_topology
 from gromacs_parameters import Unsayable, roomy, write_parameters
 
 from forces import force_function
+from programs import run_program
 from shared import (
-    Case, EngineStopped, inverse_masses, nearest_images, not_offered, row_steps, run_program, start_velocities, unwrap,
+    Case, EngineStopped, inverse_masses, nearest_images, not_offered, row_steps, start_velocities, unwrap,
     wants_refusal, wants_tensions_alone)
 
 LINCS = {"algorithm": "lincs", "order": 4, "iter": 1}

@@ -11,7 +11,8 @@ from typing import Any, Dict, List
 import numpy as np
 
 from gromacs_parameters import Unsayable, nonbonded_of
-from shared import Case, clusters, digits, masses_of, run_program
+from programs import run_program
+from shared import Case, clusters, digits, masses_of, whole
 
 
 # Section, GROMACS's number of the function, its parameters.
@@ -24,6 +25,10 @@ BONDED: Dict[str, Any] = {
 
 def settle_molecules(case: Case) -> List[List[int]]:
     """Each water's atoms, the one of two equal bonds first: GROMACS allows one kind, which all must be of."""
+    try:
+        whole(case)
+    except ValueError as why:
+        raise Unsayable(f"SETTLE holds triangles, not {why}") from None
     system, pairs, made = case["system"], nonbonded_of(case), clusters(case)
     lengths = {tuple(sorted(bond["atoms"])): bond["length_nm"] for bond in system["bonds"]}
     columns = [system["masses_u"], *[pairs[key] for key in ("charges_e", "sigma_nm", "epsilon_kj_per_mol")]]

@@ -19,8 +19,9 @@ import numpy as np
 from lammps_input import Unsayable, write_case
 
 from forces import force_function
+from programs import run_program
 from shared import (
-    BAR, clusters, is_rigid, moving, nearest_images, not_offered, row_steps, run_program, tensions_from, wants_refusal, whole)
+    BAR, clusters, is_rigid, moving, nearest_images, not_offered, row_steps, tensions_from, wants_refusal, whole)
 
 VARIANTS: Dict[str, Dict[str, Any]] = {
     "shake": {"fix": "shake"},

@@ -19,7 +19,8 @@ import numpy as np
 from sander_files import read_restart, write_restart, write_topology
 
 from forces import force_function
-from shared import Case, EngineStopped, moving, not_offered, row_steps, run_program, start_velocities, wants_refusal
+from programs import run_program
+from shared import Case, EngineStopped, moving, not_offered, row_steps, start_velocities, wants_refusal
 
 VARIANTS: Dict[str, Dict[str, Any]] = {"shake": {}}
 

@@ -1,12 +1,8 @@
-"""What runners of several engines share: programs, rows, images, and the clusters that bonds make of atoms."""
+"""What runners of several engines share: rows, images, and the clusters that bonds make of atoms."""
 
 from __future__ import annotations
 
-import os
-import signal
-import subprocess
 from collections import defaultdict
-from pathlib import Path
 from typing import Any, Dict, List
 
 import numpy as np
@@ -18,19 +14,6 @@ BAR = 16.6053906717  # bar in a kJ/mol/nm³
 
 class EngineStopped(Exception):
     """The engine broke off a run that it ought to make."""
-
-
-def run_program(arguments: List[str], folder: Path, typed: str = "", **environment: str) -> "subprocess.CompletedProcess[str]":
-    """A program's exit status and what it says. If the wait is cut short, it and all that it started are ended."""
-    with subprocess.Popen(arguments, cwd=folder, env={**os.environ, "OMP_NUM_THREADS": "1", **environment}, text=True,
-                          stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                          start_new_session=True) as program:
-        try:
-            out, err = program.communicate(typed)
-        except BaseException:
-            os.killpg(program.pid, signal.SIGKILL)
-            raise
-    return subprocess.CompletedProcess(arguments, program.returncode, out, err)
 
 
 def digits(*values: float) -> str:

@@ -22,7 +22,8 @@ try:
 except ImportError:  # Python before 3.11
     import toml as tomllib  # type: ignore[no-redef]
 
-from shared import run_program
+from programs import run_program
+from shared import 
 from taut_xml import box_xml, system_xml, tag, whole_by_images
 
 Case = Dict[str, Any]
