@@ -142,8 +142,7 @@ def refuses_the_masses(case: Case, why: str) -> bool:
     """Whether the message is of masses of 0, which the engine has no use for, where what is wrong is another thing."""
     system = case["system"]
     of_any = re.search(r"invalid mass value", why, re.IGNORECASE) and min(system["masses_u"]) >= 0
-    in_a_bond = re.search(r"massless|frozen", why, re.IGNORECASE) and not system.get("virtual_sites")
-    return bool(of_any or in_a_bond)
+    return bool(of_any or re.search(r"massless|frozen", why, re.IGNORECASE))
 
 
 def verdict(passed: bool) -> str:

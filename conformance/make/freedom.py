@@ -109,10 +109,6 @@ def write_refusals() -> None:
             "its length is zero")
     refusal("negative_mass", "An atom of −1 u on a bond.", [1, -1, 1], line, [(0, 1, 0.1)],
             "no equation of motion has such a mass")
-    refusal("bond_to_a_virtual_site", "A bond to a massless virtual site, which has no equation of motion of its own.",
-            [4, 4, 0], [[0, 0, 0], [0.2, 0, 0], [0.1, 0, 0]], [(0, 2, 0.1)],
-            "a site is where its parents put it; the force on it is theirs",
-            virtual_sites=[{"atom": 2, "of": [0, 1], "weights": [0.5, 0.5]}])
 
 
 if __name__ == "__main__":

@@ -23,7 +23,6 @@ except ImportError:  # Python before 3.11
     import toml as tomllib  # type: ignore[no-redef]
 
 from programs import run_program
-from shared import 
 from taut_xml import box_xml, system_xml, tag, whole_by_images
 
 Case = Dict[str, Any]
