@@ -45,7 +45,8 @@ TEST(CoulombKeys, SayMartinisForm) {
   EXPECT_TRUE(pairs.shifted && pairs.rf_excluded);
   EXPECT_EQ(pairs.dielectric, 15);
   EXPECT_EQ(pairs.rf_dielectric, HUGE_VAL) << "0 is infinite, as in GROMACS";
-  EXPECT_THAT(complaint({"forcefield.rf_dielectric=0.5"}), HasSubstr("expected 1 or more, or 0 for infinite"));
+  EXPECT_THAT(complaint({"forcefield.rf_dielectric=0.5"}),
+              HasSubstr("expected 1 or more, or 0 for infinite"));
   EXPECT_THAT(complaint({"forcefield.shift=true", "forcefield.dispersion_correction=true"}),
               HasSubstr("forcefield.shift: raises what ends at the cutoff"));
   EXPECT_THAT(complaint({"forcefield.coulomb=pme", "forcefield.rf_excluded=true"}),
