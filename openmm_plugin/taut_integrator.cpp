@@ -57,12 +57,7 @@ void in_openmm_words(const std::function<void()>& work) {
 HeldBonds held_bonds(const OpenMM::System& system, const HoldSettings& settings) {
   HeldBonds held;
   for (int i = 0; i < system.getNumParticles(); ++i) held.masses.push_back(system.getParticleMass(i));
-  for (int k = 0; k < system.getNumConstraints(); ++k) {
-    HeldBond bond{};
-    system.getConstraintParameters(k, bond.i, bond.j, bond.length);
-    held.bonds.push_back(bond);
-  }
-  for (const HeldBond& bond : settings.bonds) {
+  const auto hold = [&](const HeldBond& bond) {
     for (const int atom : {bond.i, bond.j}) {
       const bool is_there = atom >= 0 && atom < system.getNumParticles();
       if (!is_there || system.isVirtualSite(atom))
@@ -73,7 +68,14 @@ HeldBonds held_bonds(const OpenMM::System& system, const HoldSettings& settings)
                                            : " is not an atom of the System"));
     }
     held.bonds.push_back(bond);
+  };
+  for (int k = 0; k < system.getNumConstraints();
+       ++k) {  // OpenMM leaves those of two sites out without a word
+    HeldBond bond{};
+    system.getConstraintParameters(k, bond.i, bond.j, bond.length);
+    hold(bond);
   }
+  for (const HeldBond& bond : settings.bonds) hold(bond);
   return held;
 }
 

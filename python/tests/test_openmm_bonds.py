@@ -200,3 +200,10 @@ def test_refusals():
     for wrong in ((0, 1, 0.1), (1, 0, 0.1)):
         assert "two bonds on the same pair" in made_with(system, [wrong])
     assert "expected more than 0" in made_with(system, [(0, 3, -0.1)])
+    linked = openmm.System()
+    for mass in (1, 1, 1, 1, 0, 0):
+        linked.addParticle(mass)
+    for site in (4, 5):
+        linked.setVirtualSite(site, openmm.TwoParticleAverageSite(2 * site - 8, 2 * site - 7, 0.5, 0.5))
+    linked.addConstraint(4, 5, 0.3)  # which OpenMM's own integrators leave out
+    assert "4 is a virtual site" in made_with(linked, [])
