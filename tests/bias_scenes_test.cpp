@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "forcefield/force_field.hpp"
 #include "kept_state.hpp"
 #include "md/units.hpp"
 #include "scene_text.hpp"

@@ -20,7 +20,6 @@
 namespace taut::linked_bodies_tests {
 namespace {
 
-using testing::HasSubstr;
 using tests::NoForce, tests::Start;
 
 // Two rods, 0-1 and 2-3, a plate 4-5-6 and a bead 12. The rods are linked by a site beyond the end of the first, 7, and one
