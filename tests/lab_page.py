@@ -8,18 +8,11 @@ import pathlib
 import shutil
 import sys
 
+from browser_checks import SIZES, expect, failures
 from playwright.sync_api import sync_playwright
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PAGE = (ROOT / "build/lab/index.html").as_uri()
-SIZES = {"desk": {"width": 1400, "height": 900}, "phone": {"width": 390, "height": 844}}
-failures = []
-
-
-def expect(what, holds, said=""):
-    if not holds:
-        failures.append(what)
-        print(f"FAILED {what}: {said}")
 
 
 def running(page):

@@ -8,17 +8,10 @@ import pathlib
 import shutil
 import sys
 
+from browser_checks import SIZES, expect, failures
 from playwright.sync_api import sync_playwright
 
-SIZES = {"desk": {"width": 1400, "height": 900}, "phone": {"width": 390, "height": 844}}
 CURVED = ("work", "drift", "order", "length", "precision", "plane", "run", "crosscheck")  # tables that must become curves
-failures = []
-
-
-def expect(what, holds, said=""):
-    if not holds:
-        failures.append(what)
-        print(f"FAILED {what}: {said}")
 
 
 def seen(chart):
