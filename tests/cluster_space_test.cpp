@@ -172,8 +172,9 @@ TEST(ClusterPairs, OfAGasAreComputedAsThoseOfALiquid) {
       x.col(a) = extent.cwiseProduct(drawn(uniform));
       x.col(a + 1) = x.col(a) + 0.3 * drawn(normal).normalized();
     }
-    EXPECT_LT(mixed_error(nb, {}, x), 2e-6) << extent.transpose();
-    EXPECT_LT(mixed_error(nb, {extent.cwiseMax(2)}, x), 2e-6) << extent.transpose();
+    // single precision leaves 1.3e-6 where products and sums are rounded apart
+    EXPECT_LT(mixed_error(nb, {}, x), 1.5e-6) << extent.transpose();
+    EXPECT_LT(mixed_error(nb, {extent.cwiseMax(2)}, x), 1.5e-6) << extent.transpose();
   }
   Vectors x = Vectors::Random(3, n) * 1e8;  // where a double is known to 1e-8
   for (int a = 0; a < n; a += 2) x.col(a + 1) = x.col(a) + Vec3(0.3, 0, 0);
