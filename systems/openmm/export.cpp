@@ -293,7 +293,7 @@ void write_forces(Node forces, const OpenMMInput& from) {
                  return Numbers{t.stiffness, std::remainder(t.angle, 2 * std::numbers::pi)};
                });
   if (!terms.cmaps.empty()) write_cmaps(forces, terms);
-  if (terms.nonbonded && is_formula(*terms.nonbonded)) {
+  if (terms.nonbonded && needs_custom_force(*terms.nonbonded)) {
     write_cut_pairs(forces, *terms.nonbonded, from.start.box);
   } else if (terms.nonbonded) {
     write_nonbonded(forces, *terms.nonbonded, from.start.box);

@@ -50,7 +50,7 @@ void write_excluded_field(Node forces, const Nonbonded& pairs) {
 
 }  // namespace
 
-bool is_formula(const Nonbonded& pairs) {
+bool needs_custom_force(const Nonbonded& pairs) {
   return pairs.shifted || pairs.rf_excluded ||
          (pairs.cutoff && !pairs.pme && std::isinf(pairs.rf_dielectric));
 }

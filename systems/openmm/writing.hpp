@@ -37,8 +37,8 @@ void write_term(Node list, const char* name, const std::vector<Field>& atoms,
 void write_spline(Node functions, const std::string& name, const Spline& spline);
 void write_discrete(Node functions, const std::string& name, const Eigen::MatrixXd& table);
 
-// Whether OpenMM has no NonbondedForce of these pairs, but a formula.
-bool is_formula(const Nonbonded& pairs);
+// Whether OpenMM's NonbondedForce has no such pairs, so that the formula of a CustomNonbondedForce must say them.
+bool needs_custom_force(const Nonbonded& pairs);
 void write_cut_pairs(Node forces, const Nonbonded& pairs, const Box& box);
 void write_bending_torsions(Node forces, const std::vector<BendingTorsion>& terms);
 
