@@ -255,8 +255,7 @@ void say_if_start_is_slow(const System& sys) {
   const int most = rings.empty() ? 0 : std::ranges::max(rings);
   if (most < kManyRings) return;
   say("  one cluster of rigid bonds closes {} rings: to find how to solve for all at once may take minutes "
-      "and "
-      "gigabytes\n",
+      "and gigabytes\n",
       most);
 }
 

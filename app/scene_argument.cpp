@@ -27,7 +27,10 @@ Scene NamedScene::read(const std::vector<std::string>& overrides, KeysRead* keys
   Scene imported = import_openmm(system, state);
   const KeyValues usual = as_run ? take_usual_settings(imported) : KeyValues();
   apply_overrides(imported, overrides, keys);
-  if (run) run->source = source_of(system, state, overrides), run->usual = usual;
+  if (run) {
+    run->source = source_of(system, state, overrides);
+    run->usual = usual;
+  }
   return imported;
 }
 
